@@ -1,0 +1,14 @@
+// The verbs of program `pelage`: each adds its subcommand, options and callback. One file per verb.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace pelage::app {
+
+void add_groom(CLI::App& app);
+void add_info(CLI::App& app);
+void add_cluster(CLI::App& app);
+void add_render(CLI::App& app);
+void add_view(CLI::App& app);
+
+}  // namespace pelage::app
