@@ -12,10 +12,10 @@ enum ExitCode { ok = 0, failure = 1, usage = 2, threshold = 3, bad_input = 4, no
 
 /// Options that every verb has; set before a verb's callback runs.
 struct CommonOptions {
-  int jobs = 0;                   // -j: threads; 0: one per core
-  std::string progress = "auto";  // --progress auto|always|never
-  std::string log_level = "info"; // --log-level trace|debug|info|warn|error|off
-  bool json = false;              // --json: results on stdout as JSON
+  int jobs = 0;                    // -j: threads; 0: one per core
+  std::string progress = "auto";   // --progress auto|always|never
+  std::string log_level = "info";  // --log-level trace|debug|info|warn|error|off
+  bool json = false;               // --json: results on stdout as JSON
 };
 
 /// The options as given on the command line of this process.
@@ -24,8 +24,8 @@ const CommonOptions& common() noexcept;
 /// Adds the common options to a verb. Call at the end of each add_<verb>().
 void add_common_options(CLI::App& verb);
 
-/// Parses, sets up log (spdlog, stderr), thread count (oneTBB) and Ctrl-C, runs the chosen verb's callback, and turns exceptions
-/// into one-line messages on stderr and exit codes. main() is `return run_program(app, argc, argv);`.
+/// Parses, sets up log (spdlog, stderr), thread count (oneTBB) and Ctrl-C, runs the chosen verb's callback, and turns
+/// exceptions into one-line messages on stderr and exit codes. main() is `return run_program(app, argc, argv);`.
 int run_program(CLI::App& app, int argc, char** argv);
 
 /// Ctrl-C was pressed (SIGINT or SIGTERM).

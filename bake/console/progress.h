@@ -1,4 +1,5 @@
-// Progress on stderr: a bar with rate and ETA on a terminal, sparse lines otherwise (at most one every 5 s), nothing with
+// Progress on stderr: a bar with rate and ETA on a terminal, sparse lines otherwise (at most one every 5 s), nothing
+// with
 // --progress never.
 #pragma once
 
@@ -7,6 +8,16 @@
 #include <string>
 
 namespace pelage::console {
+
+/// Where the work stands.
+struct ProgressState {
+  std::uint64_t done = 0, total = 1;
+  std::uint64_t first_done = 0;  // done when the clock started: a resumed bake does not count what it found
+  double elapsed_s = 0;
+};
+
+/// "bake: 45 %, 900/2000 sectors, 512 sectors/s, ETA 0:02"; rate and ETA once they are known.
+std::string progress_text(const std::string& label, const std::string& unit, const ProgressState& state);
 
 class Progress {
  public:
@@ -20,6 +31,8 @@ class Progress {
   void update(std::uint64_t done);
 
  private:
+  void draw(std::uint64_t done);
+
   std::string label_, unit_;
   std::uint64_t total_, first_done_ = 0;
   bool bar_, silent_, drawn_ = false, first_ = true;

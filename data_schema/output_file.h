@@ -1,0 +1,35 @@
+// Output files: checked before the work starts, and written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace pelage {
+
+/// Could `file` be written? Call it before the work, so that an hour of it is not lost to a typing error.
+/// @throws OutputError (missing folder, is a folder, not a regular file, not writable) with the remedy
+void check_writable(const std::filesystem::path& file);
+
+/// A file written to a temporary beside it and renamed on commit(): readers see the earlier file or the whole new one.
+/// Without commit() (an exception, Ctrl-C) the temporary is removed and the earlier file stays as it was.
+class AtomicFile {
+ public:
+  /// Creates the empty temporary. A symbolic link is followed. @throws OutputError as check_writable
+  explicit AtomicFile(const std::filesystem::path& file);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// What to write to, by whatever library; same folder, same extension.
+  const std::filesystem::path& temporary() const noexcept { return temporary_; }
+  /// Replaces the temporary's content. @throws OutputError, e.g. disk full
+  void write(std::string_view bytes);
+  /// Renames the temporary to the file. @throws OutputError
+  void commit();
+
+ private:
+  std::filesystem::path file_, temporary_;
+  bool committed_ = false;
+};
+
+}  // namespace pelage
