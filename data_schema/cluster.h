@@ -7,6 +7,7 @@
 // `t` is relative arc length along the centre line, 0 at the root, 1 at the tip.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -66,6 +67,40 @@ struct Frame {
   float curvature_per_m;  // of the centre line
 };
 
+/// The centre line alone, evaluated anywhere. Finite for straight lines, inflections and 180-degree folds.
+class CentreLine {
+ public:
+  /// @throws InputError when fewer than 4 control points are given, one is not finite, or the line has no length.
+  CentreLine(std::span<const glm::vec3> control, glm::vec3 first_normal);
+
+  double length_m() const noexcept { return length_m_; }
+  /// @param t  relative arc length, clamped to [0, 1]
+  Frame frame(double t) const noexcept;
+
+ private:
+  using Span = std::array<glm::dvec3, 4>;  // coefficients of 1, w, w^2, w^3, w in [0, 1]
+  struct Place {
+    std::size_t span;
+    double w;
+  };
+  struct Sample {
+    Place place;
+    double s;  // arc length from the root [m]
+    glm::dvec3 position, tangent, normal;
+  };
+  glm::dvec3 position(const Place& p) const noexcept;
+  glm::dvec3 derivative(const Place& p) const noexcept;
+  glm::dvec3 direction(const Place& p, const glm::dvec3& otherwise) const noexcept;
+  double curvature(const Place& p) const noexcept;
+  double arc(std::size_t span, double w0, double w1) const noexcept;
+  void tabulate_length();
+  void tabulate_frames(glm::vec3 first_normal);
+
+  std::vector<Span> spans_;
+  std::vector<Sample> samples_;
+  double length_m_ = 0, standstill_ = 0;
+};
+
 /// The cluster evaluated on `plates + 1` equally spaced plates t_i = i / plates.
 struct SweptCluster {
   float length_m = 0;                        // arc length of the centre line
@@ -84,6 +119,10 @@ struct SweptCluster {
 /// Evaluates centre line, frames and cross-sections. Finite for straight lines, inflections and 180-degree folds.
 /// @throws InputError when fewer than 4 control points are given, one is not finite, or the line has no length.
 SweptCluster sweep(const Cluster& cluster, int plates);
+
+/// Neighbouring plates that cut each other: where the cross-section's radius towards the centre of curvature exceeds
+/// 1 / curvature. Such HSVs are turned inside out on their inner side.
+int overlapping_plates(const SweptCluster& swept);
 
 /// Value of a clamped uniform cubic B-spline with these control points at parameter x in [0,1] (Cox-de Boor).
 glm::vec3 evaluate_b_spline(std::span<const glm::vec3> control, float x) noexcept;
