@@ -1,5 +1,5 @@
-// Resampling: the same polyline, walked at even arc length. End points are kept exactly; corners between samples are cut,
-// by at most the sagitta of the spacing.
+// Resampling: the same polyline, walked at even arc length. End points are kept exactly; corners between samples are
+// cut, by at most the sagitta of the spacing.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -13,8 +13,8 @@ namespace pelage::hair {
 /// Length of a polyline [m].
 double arc_length_m(std::span<const glm::vec3> points) noexcept;
 
-/// `count` points (>= 2) at even arc length along the polyline `points` (>= 1 point). The first and last point are those of
-/// the input, bit for bit.
+/// `count` points (>= 2) at even arc length along the polyline `points` (>= 1 point). The first and last point are
+/// those of the input, bit for bit.
 std::vector<glm::vec3> resample_polyline(std::span<const glm::vec3> points, int count);
 
 /// Every strand with `vertices_per_strand` (>= 2) vertices. Diameters are interpolated, colours kept.
