@@ -1,0 +1,196 @@
+#include "pelage/satf/maps.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "pelage/data_schema/numeric.h"
+#include "pelage/db/optical_scale.h"
+
+namespace pelage {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kReRange = 8.0F;
+
+/// Adds one sector's record to the ring, weighted by the hat window.
+void splat_record(std::span<const float> tau, std::span<const float> re, float* depth, float* weighted) noexcept {
+  const auto n = static_cast<int>(tau.size());
+  const float step = 2.0F / static_cast<float>(n);
+  for (int x = 0; x < n; ++x) {
+    const float hat = 1.0F - std::abs(step * (static_cast<float>(x) + 0.5F) - 1.0F);
+    const float w = hat * tau[static_cast<std::size_t>(x)];
+    depth[x] += w;
+    if (weighted != nullptr) weighted[x] += w * re[static_cast<std::size_t>(x)];
+  }
+}
+
+/// Folds the padding of a closed ring back: entries [0, pad) belong to the end, [pad + width, ...) to the beginning.
+void fold_padding(std::span<float> padded, std::size_t width, std::size_t pad) noexcept {
+  for (std::size_t x = 0; x < pad; ++x) padded[pad + width - pad + x] += padded[x];
+  for (std::size_t x = 0; x < pad; ++x) padded[pad + x] += padded[pad + width + x];
+}
+
+SatfAngles sector_angles(const RingShape& ring, int sector, const PlateDirection& d, float light_minus_view) noexcept {
+  const float spacing = 2.0F * kPi / static_cast<float>(ring.sectors);
+  const float centre = (static_cast<float>(sector) + 0.5F) * spacing;
+  const float first = warp_angle(ring, d.phi - (centre - spacing));
+  const float last = warp_angle(ring, d.phi - (centre + spacing));
+  return {first, last, first + light_minus_view, last + light_minus_view};
+}
+
+/// Sum over the ring's sectors of the records seen under one direction. Output: `scratch.depth` (tau, at c0) and
+/// `scratch.weighted` (tau times re), width entries from index pad.
+void sum_ring(const SatfModel& model, const RecordSource& source, std::size_t instance, int layer, int plate,
+              const PlateDirection& d, float light_minus_view, bool with_re, RingScratch& scratch) noexcept {
+  const RingShape ring = ring_shape(model.division, layer);
+  const auto n = static_cast<std::size_t>(model.samples);
+  const std::size_t width = static_cast<std::size_t>(ring.sectors) * n / 2;
+  const std::size_t pad = n / 4;
+  scratch.tau.resize(n);
+  scratch.reflectance.resize(n);
+  scratch.depth.assign(width + 2 * pad, 0.0F);
+  scratch.weighted.assign(width + 2 * pad, 0.0F);
+  for (int k = 0; k < ring.sectors; ++k) {
+    const std::size_t sector = model.track(instance, layer, k) + static_cast<std::size_t>(plate);
+    if (model.sectors.sector(sector).empty()) continue;
+    const auto re = with_re ? std::span<float>(scratch.reflectance) : std::span<float>();
+    source.evaluate(sector, sector_angles(ring, k, d, light_minus_view), scratch.tau, re);
+    // Sector k starts a quarter record before its spacing does: x = X + n/4 - k n/2.
+    const std::size_t start = static_cast<std::size_t>(k) * n / 2;
+    splat_record(scratch.tau, re, scratch.depth.data() + start, with_re ? scratch.weighted.data() + start : nullptr);
+  }
+  fold_padding(scratch.depth, width, pad);
+  if (with_re) fold_padding(scratch.weighted, width, pad);
+}
+
+/// Eq. 12 with exp over the alpha-maps at the same (u, t): chi(k) is every outer layer; half of the own layer counts.
+float paper_transmittance(const SatfModel& model, const std::vector<std::vector<float>>& alpha, int layer, std::size_t x,
+                          float strength) noexcept {
+  const auto own = static_cast<std::size_t>(layer);
+  const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(model.layout.widths[own]);
+  float sum = 0.5F * alpha[own][x];
+  for (std::size_t m = own + 1; m < alpha.size(); ++m) {
+    sum += alpha[m][static_cast<std::size_t>(u * static_cast<float>(alpha[m].size()))];
+  }
+  return exp_neg(strength * sum);
+}
+
+/// Cluster ends fade over one HSV: an open end would show as a cut tube.
+float end_fade(int plate, int plates) noexcept { return plate == 0 || plate == plates ? 0.0F : 1.0F; }
+
+struct InstanceScratch {
+  RingScratch ring;
+  std::vector<std::vector<float>> alpha, re;  // [layer][x]
+};
+
+void build_row(const SatfModel& model, const RecordSource& source, const MapRequest& request,
+               std::span<const std::uint16_t> shadows, std::span<Texel> texels, std::size_t instance, int plate,
+               InstanceScratch& scratch) {
+  const SweptCluster& swept = model.instances[instance].swept;
+  const auto row = static_cast<std::size_t>(plate);
+  const Frame& frame = swept.frames[row];
+  const PlateDirection view = plate_direction(frame, swept.cross_sections[row], glm::normalize(request.eye - frame.position));
+  const PlateDirection light = plate_direction(frame, swept.cross_sections[row], request.to_light);
+  const float fade = request.settings.fade_ends ? end_fade(plate, model.division.plates) : 1.0F;
+  for (int j = 0; j < model.division.layers; ++j) {
+    const auto layer = static_cast<std::size_t>(j);
+    auto& alpha = scratch.alpha[layer];
+    auto& re = scratch.re[layer];
+    alpha.resize(static_cast<std::size_t>(model.layout.widths[layer]));
+    re.resize(alpha.size());
+    ring_depth(model, source, instance, j, plate, view, light, request.settings.curvature, scratch.ring, alpha, re);
+    for (float& a : alpha) a = fade * (1.0F - exp_neg(a));
+  }
+  for (int j = 0; j < model.division.layers; ++j) {
+    const auto layer = static_cast<std::size_t>(j);
+    const std::size_t first = model.layout.texel(instance, j, plate);
+    for (std::size_t x = 0; x < scratch.alpha[layer].size(); ++x) {
+      float transmittance = shadows.empty() ? 1.0F : static_cast<float>(shadows[first + x]) / 65535.0F;
+      if (request.settings.self_shadow == SelfShadow::paper) {
+        transmittance *= paper_transmittance(model, scratch.alpha, j, x, request.settings.self_shadow_strength);
+      }
+      texels[first + x] = pack_texel({scratch.alpha[layer][x], scratch.re[layer][x], transmittance});
+    }
+  }
+}
+
+}  // namespace
+
+Texel pack_texel(const TexelValues& v) noexcept {
+  const auto quantise = [](float value, float top, std::uint32_t levels) {
+    return static_cast<std::uint32_t>(std::clamp(value / top, 0.0F, 1.0F) * static_cast<float>(levels) + 0.5F);
+  };
+  return quantise(v.alpha, 1.0F, 1023) | quantise(v.re, kReRange, 4095) << 10 | quantise(v.transmittance, 1.0F, 1023) << 22;
+}
+
+TexelValues unpack_texel(Texel t) noexcept {
+  return {static_cast<float>(t & 1023U) / 1023.0F, static_cast<float>((t >> 10) & 4095U) * (kReRange / 4095.0F),
+          static_cast<float>(t >> 22) / 1023.0F};
+}
+
+float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring, float reference_scale) noexcept {
+  const float area = std::max(s.determinant(), 1e-12F);
+  const float sigma_m = model.profile_sigma * ring.width * std::sqrt(area);
+  const double mass = gaussian_mass(static_cast<double>(model.blocked_width_m), static_cast<double>(sigma_m));
+  return static_cast<float>(mass) / (area * reference_scale);
+}
+
+void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t instance, int layer, int plate,
+                const PlateDirection& d, const PlateDirection& l, bool curvature, RingScratch& scratch,
+                std::span<float> depth, std::span<float> re) noexcept {
+  const RingShape ring = ring_shape(model.division, layer);
+  const CrossSection& s = model.instances[instance].swept.cross_sections[static_cast<std::size_t>(plate)];
+  const std::size_t pad = static_cast<std::size_t>(model.samples) / 4;
+  const float trust = azimuth_weight(d.planar);
+  const bool with_re = !re.empty();
+  sum_ring(model, source, instance, layer, plate, d, l.plane_angle - d.plane_angle, with_re, scratch);
+  for (std::size_t x = 0; x < depth.size(); ++x) {
+    const float tau = scratch.depth[pad + x];
+    depth[x] = trust * tau;
+    // Light along the axis has no azimuth: the mean over light angles, 1. So has a view along the axis.
+    if (with_re) {
+      const float straight = tau > 1e-12F ? scratch.weighted[pad + x] / tau : 1.0F;
+      re[x] = 1.0F + azimuth_weight(l.planar) * trust * (straight - 1.0F);
+    }
+  }
+  if (trust < 1.0F) {
+    constexpr int kAround = 8;
+    for (int i = 0; i < kAround; ++i) {
+      PlateDirection turned = d;
+      turned.phi = 2.0F * kPi * static_cast<float>(i) / kAround;
+      sum_ring(model, source, instance, layer, plate, turned, 0.0F, false, scratch);
+      for (std::size_t x = 0; x < depth.size(); ++x) depth[x] += (1.0F - trust) / kAround * scratch.depth[pad + x];
+    }
+  }
+  scratch.factors.resize(depth.size());
+  const float mass = mass_per_area(model, s, ring, source.reference_scale());
+  depth_factors(ring, model.rings[static_cast<std::size_t>(layer)], d, mass, model.max_path, curvature, scratch.factors);
+  if (trust < 1.0F) {
+    // The factors depend on the azimuth too: along the axis the mean factor of the ring counts.
+    float mean = 0.0F;
+    for (const float f : scratch.factors) mean += f / static_cast<float>(scratch.factors.size());
+    for (float& f : scratch.factors) f = mean + trust * (f - mean);
+  }
+  for (std::size_t x = 0; x < depth.size(); ++x) depth[x] *= scratch.factors[x];
+}
+
+void build_maps(const SatfModel& model, const RecordSource& source, const MapRequest& request,
+                std::span<const std::uint16_t> shadows, std::span<Texel> texels) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, model.instances.size(), 1), [&](const auto& range) {
+    InstanceScratch scratch;
+    scratch.alpha.resize(static_cast<std::size_t>(model.division.layers));
+    scratch.re.resize(scratch.alpha.size());
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      for (int plate = 0; plate <= model.division.plates; ++plate) {
+        build_row(model, source, request, shadows, texels, i, plate, scratch);
+      }
+    }
+  });
+}
+
+}  // namespace pelage

@@ -1,0 +1,54 @@
+// re- and alpha-maps of every layer from any RecordSource [Xu2006 sections 6.2, eqs. 4, 6, 7 as DESIGN section 5 reads them].
+//
+// A row of a map is a plate. Within a plate the view angle is linear in u, so maps show no facets; neighbouring sectors
+// overlap by half and are blended by optical depth, so they show no seams. Between plates the shader interpolates rows,
+// moved by the HSV's mean drift.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "pelage/data_schema/scene.h"
+#include "pelage/satf/model.h"
+#include "pelage/satf/plate_direction.h"
+
+namespace pelage {
+
+/// Texel as it goes to the GPU: alpha 10 bits [0,1] | re 12 bits [0,8) | transmittance (s-map) 10 bits [0,1].
+using Texel = std::uint32_t;
+
+struct TexelValues {
+  float alpha, re, transmittance;
+};
+Texel pack_texel(const TexelValues& v) noexcept;
+TexelValues unpack_texel(Texel t) noexcept;
+
+/// Whether the ends of a cluster fade, the ring's curvature counts, and so on: the part of SatfSettings maps depend on.
+struct MapRequest {
+  glm::vec3 eye{0, 0, 1};       // metres
+  glm::vec3 to_light{0, 1, 0};  // unit
+  SatfSettings settings;
+};
+
+/// Optical depth of one ring of one instance as seen along `d`: [width], and straight reflectance for light `l` if `re`
+/// is not empty: [width].
+struct RingScratch {
+  std::vector<float> tau, reflectance;   // one record
+  std::vector<float> depth, weighted;    // ring with one record of padding
+  std::vector<float> factors;
+};
+void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t instance, int layer, int plate,
+                const PlateDirection& d, const PlateDirection& l, bool curvature, RingScratch& scratch,
+                std::span<float> depth, std::span<float> re) noexcept;
+
+/// Optical mass of a strand over det S and c0, for depth_factors. [1/m]
+float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring, float reference_scale) noexcept;
+
+/// Fills `texels` [model.texels()]; transmittance comes from `shadows` (self_shadow.h, [texels], or empty: 1), or, with
+/// SelfShadow::paper, from eq. 12 over the alpha-maps just built. Parallel; the same bytes for any number of threads.
+void build_maps(const SatfModel& model, const RecordSource& source, const MapRequest& request,
+                std::span<const std::uint16_t> shadows, std::span<Texel> texels);
+
+}  // namespace pelage

@@ -1,0 +1,26 @@
+// Hair lighting [KajiyaKay1989; Xu2006 eqs. 8-11; Scheuermann2004]. GPU twin of runtime/shading/lobes.h, which explains
+// the deviations from the papers; tests/render compares the two.
+
+struct HairMaterial {
+  vec4 diffuse;    // rgb colour, a coefficient
+  vec4 primary;    // rgb colour, a coefficient
+  vec4 secondary;  // rgb colour, a coefficient
+  vec4 shape;      // primary exponent, secondary exponent, primary shift, secondary shift
+};
+
+float sine_between(vec3 a, vec3 b) { return min(length(cross(a, b)), 1.0); }
+
+float diffuse_lobe(vec3 t, vec3 l) { return sine_between(t, l); }
+
+float specular_lobe(vec3 t, vec3 l, vec3 v, float exponent) {
+  float base = sine_between(t, l) * sine_between(t, v) - dot(t, l) * dot(t, v);
+  // pow(0, e) is defined for e > 0; exponents are >= 1.
+  return pow(clamp(base, 0.0, 1.0), exponent);
+}
+
+vec3 hair_lighting(HairMaterial m, vec3 t, vec3 n, vec3 l, vec3 v) {
+  vec3 sum = m.diffuse.a * diffuse_lobe(t, l) * m.diffuse.rgb;
+  sum += m.primary.a * specular_lobe(normalize(t + m.shape.z * n), l, v, m.shape.x) * m.primary.rgb;
+  sum += m.secondary.a * specular_lobe(normalize(t - m.shape.w * n), l, v, m.shape.y) * m.secondary.rgb;
+  return sum;
+}
