@@ -1,10 +1,10 @@
 // Cluster: the generalized disk [Xu2006 section 3.2, eqs. 1-3]: an ellipse swept along a curve, and the strands in it.
 //
 // The cross-section is a symmetric 2x2 matrix S [m] that maps the unit disk to the plate plane, its entries B-splines
-// over t: unlike eq. 1's half-axes A, B and phase theta it has no axis to flip, and theta turns the ellipse (as printed,
-// theta shifts the phase u and leaves the ellipse where it is). A plate point with disk coordinates (x, y) = v (cos u,
-// sin u) lies at  centre(t) + [normal(t) binormal(t)] S(t) (x, y).
-// `t` is relative arc length along the centre line, 0 at the root, 1 at the tip.
+// over t: unlike eq. 1's half-axes A, B and phase theta it has no axis to flip, and theta turns the ellipse (as
+// printed, theta shifts the phase u and leaves the ellipse where it is). A plate point with disk coordinates (x, y) = v
+// (cos u, sin u) lies at  centre(t) + [normal(t) binormal(t)] S(t) (x, y). `t` is relative arc length along the centre
+// line, 0 at the root, 1 at the tip.
 #pragma once
 
 #include <array>
@@ -18,7 +18,8 @@
 
 namespace pelage {
 
-/// Symmetric 2x2 matrix S [m], positive definite: unit disk -> plate plane (first axis: frame normal, second: binormal).
+/// Symmetric 2x2 matrix S [m], positive definite: unit disk -> plate plane (first axis: frame normal, second:
+/// binormal).
 struct CrossSection {
   float xx = 0, xy = 0, yy = 0;
 

@@ -15,19 +15,19 @@ namespace pelage {
 /// [Xu2006 eq. 3]: s_v = layers, s_u = sectors (of the outermost layer; inner ones have fewer, see db/sectors.h),
 /// s_t = plates (number of HSVs along a cluster).
 struct Division {
-  int layers = 4;      // [1, 32]
-  int sectors = 24;    // [3, 256]
-  int plates = 24;     // [2, 512]
-  float core = 0.1F;   // [0, 0.9] radius v of the transparent interior core
+  int layers = 4;     // [1, 32]
+  int sectors = 24;   // [3, 256]
+  int plates = 24;    // [2, 512]
+  float core = 0.1F;  // [0, 0.9] radius v of the transparent interior core
   bool operator==(const Division&) const = default;
 };
 
 struct Hairstyle {
   std::string name;
-  std::string source;         // file that it was fitted to, or empty
-  std::string source_hash;    // hex SHA-256 of that file's bytes, or empty
+  std::string source;       // file that it was fitted to, or empty
+  std::string source_hash;  // hex SHA-256 of that file's bytes, or empty
   Division division;
-  float diameter_m = 0.0F;    // drawn diameter D of a strand, > 0
+  float diameter_m = 0.0F;          // drawn diameter D of a strand, > 0
   float opacity = kDefaultOpacity;  // a in (0, 1]
   std::vector<Cluster> clusters;
 

@@ -1,9 +1,9 @@
 // HRIR record [Xu2006 section 4]: how one sector looks from every direction in its plate, lit from every direction.
 //
-// Angles lie in the sector's own coordinates, measured from outward r, positive towards +s, on the regular periodic grid
-// theta_i = 2 pi i / count. `tau` is the unstopped line integral of density times the reference scale c0 along the view
-// ray that enters at s = (x + 1/2) / samples on the side that the viewer sees; opacity at another scale c is
-// 1 - exp(-tau c / c0). `re` is straight (un-premultiplied) reflectance with mean 1 over light angles.
+// Angles lie in the sector's own coordinates, measured from outward r, positive towards +s, on the regular periodic
+// grid theta_i = 2 pi i / count. `tau` is the unstopped line integral of density times the reference scale c0 along the
+// view ray that enters at s = (x + 1/2) / samples on the side that the viewer sees; opacity at another scale c is 1 -
+// exp(-tau c / c0). `re` is straight (un-premultiplied) reflectance with mean 1 over light angles.
 #pragma once
 
 #include <vector>

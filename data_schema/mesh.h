@@ -8,9 +8,9 @@
 namespace pelage {
 
 struct Mesh {
-  std::vector<glm::vec3> vertices;            // metres
-  std::vector<glm::vec3> normals;             // [vertices] unit, outward
-  std::vector<glm::uvec3> triangles;          // counter-clockwise seen from outside
+  std::vector<glm::vec3> vertices;    // metres
+  std::vector<glm::vec3> normals;     // [vertices] unit, outward
+  std::vector<glm::uvec3> triangles;  // counter-clockwise seen from outside
 };
 
 /// Area-weighted vertex normals of a mesh without any.

@@ -19,7 +19,8 @@ struct Camera {
   glm::vec3 eye{0, 0, 1};     // metres
   glm::vec3 target{0, 0, 0};  // metres
   glm::vec3 up{0, 1, 0};
-  float fov_deg = 30;         // vertical field of view, (0, 170)
+  float fov_deg = 30;  // vertical field of view, (0, 170)
+  bool operator==(const Camera&) const = default;
 };
 
 /// Directional light.
@@ -27,26 +28,28 @@ struct Light {
   glm::vec3 direction{0.4F, 0.7F, 0.6F};  // towards the light, any length > 0
   glm::vec3 colour{1.0F};                 // linear RGB
   float intensity = 1.0F;                 // >= 0
+  bool operator==(const Light&) const = default;
 };
 
 /// Hair material [Xu2006 eqs. 8-11; Scheuermann2004]. Colours are linear RGB.
 struct HairMaterial {
   std::string name = "brown";
-  glm::vec3 diffuse_colour{0.16F, 0.08F, 0.04F};    // phi^dif
-  glm::vec3 primary_colour{1.0F};                   // phi^speI: the light's colour, so white
-  glm::vec3 secondary_colour{0.30F, 0.15F, 0.075F}; // phi^speII: the hair's colour
-  float diffuse = 1.0F;               // kappa^dif >= 0
-  float primary = 0.25F;              // kappa^speI >= 0
-  float secondary = 0.35F;            // kappa^speII >= 0
-  float primary_exponent = 80;        // kappa^h of the primary highlight, [1, 10000]
-  float secondary_exponent = 20;      // of the secondary
-  float primary_shift = 0.12F;        // tangent_shift towards the tip (s of eq. 10), [0, 1]
-  float secondary_shift = 0.20F;      // towards the root (s of eq. 11), [0, 1]
-  float ambient = 0.12F;              // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
+  glm::vec3 diffuse_colour{0.16F, 0.08F, 0.04F};     // phi^dif
+  glm::vec3 primary_colour{1.0F};                    // phi^speI: the light's colour, so white
+  glm::vec3 secondary_colour{0.30F, 0.15F, 0.075F};  // phi^speII: the hair's colour
+  float diffuse = 1.0F;                              // kappa^dif >= 0
+  float primary = 0.25F;                             // kappa^speI >= 0
+  float secondary = 0.35F;                           // kappa^speII >= 0
+  float primary_exponent = 80;                       // kappa^h of the primary highlight, [1, 10000]
+  float secondary_exponent = 20;                     // of the secondary
+  float primary_shift = 0.12F;                       // tangent_shift towards the tip (s of eq. 10), [0, 1]
+  float secondary_shift = 0.20F;                     // towards the root (s of eq. 11), [0, 1]
+  float ambient = 0.12F;  // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
+  bool operator==(const HairMaterial&) const = default;
 };
 
-enum class SelfShadow { none, paper, light };        // eq. 12 with exp | the light's ray through the outer layers
-enum class DrawOrder { clusters, patches, exact };   // DESIGN section 5
+enum class SelfShadow { none, paper, light };       // eq. 12 with exp | the light's ray through the outer layers
+enum class DrawOrder { clusters, patches, exact };  // DESIGN section 5
 enum class RecordsFrom { database, direct };
 
 /// Settings of the SATF runtime. Each effect can be switched off.
@@ -61,30 +64,32 @@ struct SatfSettings {
   bool curvature = true;              // chord of the ring instead of a flat slab near silhouettes
   DrawOrder draw_order = DrawOrder::patches;
   RecordsFrom records = RecordsFrom::database;
-  int neighbours = 1;                 // records blended per sector, [1, 8]
+  int neighbours = 1;  // records blended per sector, [1, 8]
+  bool operator==(const SatfSettings&) const = default;
 };
 
 struct ImageSettings {
-  int width = 1280, height = 720;  // pixels, [1, 16384]
-  int supersampling = 2;           // samples per pixel and side, [1, 8]
-  float exposure = 1.0F;           // linear gain before the sRGB curve, > 0
+  int width = 1280, height = 720;                          // pixels, [1, 16384]
+  int supersampling = 2;                                   // samples per pixel and side, [1, 8]
+  float exposure = 1.0F;                                   // linear gain before the sRGB curve, > 0
   std::optional<glm::vec3> background = glm::vec3(0.85F);  // linear RGB; none: transparent
+  bool operator==(const ImageSettings&) const = default;
 };
 
 struct Scene {
-  std::string hair;       // hair file or hairstyle file, relative to the scene file
-  std::string head;       // OBJ or empty
-  std::string database;   // or empty: an adapted one is baked and cached
-  std::string unit = "m"; // of hair and head: m, cm, mm, in
-  std::string up = "y";   // of hair and head: x, y, z
+  std::string hair;              // hair file or hairstyle file, relative to the scene file
+  std::string head;              // OBJ or empty
+  std::string database;          // or empty: an adapted one is baked and cached
+  std::string unit = "m";        // of hair and head: m, cm, mm, in
+  std::string up = "y";          // of hair and head: x, y, z
   std::optional<Camera> camera;  // none: framed
   std::vector<Light> lights{Light{}};
   HairMaterial material;
   SatfSettings satf;
   ImageSettings image;
   BakeSettings bake;
-  int clusters = 150;            // when hair is strands: clusters to fit, [1, 10000]
-  Division division;             // when hair is strands
+  int clusters = 150;  // when hair is strands: clusters to fit, [1, 10000]
+  Division division;   // when hair is strands
 };
 
 /// Reads and validates a scene. Relative paths are resolved against the scene file's folder. @throws InputError

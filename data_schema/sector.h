@@ -1,4 +1,5 @@
-// Sectors: the cells of a plate [Xu2006 section 3.2-3.3], in sector coordinates (s, r): s around, r outward, [0,1] inside.
+// Sectors: the cells of a plate [Xu2006 section 3.2-3.3], in sector coordinates (s, r): s around, r outward, [0,1]
+// inside.
 //
 // Neighbouring sectors of a ring overlap by half: sector k of n is centred at u_k = 2 pi (k + 1/2) / n and is
 // 4 pi / n wide, s = 1/2 + (u - u_k) n / (4 pi). Maps blend the two sectors that cover a texel with a hat window, so a
@@ -25,7 +26,7 @@ struct SectorSet {
   int plates = 0;                         // HSVs along a track; a track holds plates + 1 sectors
   std::vector<std::uint32_t> offsets{0};  // [sectors + 1] into crossings
   std::vector<glm::vec2> crossings;       // (s, r)
-  std::vector<float> drift;               // [sectors] mean change of s from this sector to the next of its track; last: 0
+  std::vector<float> drift;  // [sectors] mean change of s from this sector to the next of its track; last: 0
 
   std::size_t size() const noexcept { return offsets.size() - 1; }
   std::size_t tracks() const noexcept { return plates == 0 ? 0 : size() / static_cast<std::size_t>(plates + 1); }
