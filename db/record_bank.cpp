@@ -1,0 +1,235 @@
+#include "pelage/db/record_bank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "pelage/data_schema/errors.h"
+
+namespace pelage {
+namespace {
+
+constexpr int kMaxSamples = 256;
+constexpr int kNodes = kMaxSamples + 16;  // samples + 1, padded so that vector loops may run over
+
+/// An angle along the nodes j = 0, 1, ..: (first + step j) cells of a periodic grid.
+struct AngleRamp {
+  float first, step;  // in cells
+  int count;          // cells on the circle
+  float inv_count;
+};
+
+AngleRamp ramp(float first_rad, float last_rad, int count, int samples, float offset) {
+  const double cells = count / (2 * std::numbers::pi);
+  const double step = (static_cast<double>(last_rad) - static_cast<double>(first_rad)) * cells / samples;
+  double first = static_cast<double>(first_rad) * cells + step * (0.5 - static_cast<double>(offset));
+  first -= count * std::floor(first / count);  // near 0, where float is finest
+  return {static_cast<float>(first), static_cast<float>(step), count, 1.0F / static_cast<float>(count)};
+}
+
+/// Cell below a position on the circle, and how far beyond it: bilinear weights. Branch-free.
+struct Cell {
+  int index;
+  float beyond;
+};
+inline Cell cell_at(const AngleRamp& r, int node) {
+  const float position = r.first + r.step * static_cast<float>(node);
+  const float turns = position * r.inv_count;
+  int turn = static_cast<int>(turns);
+  turn -= static_cast<float>(turn) > turns ? 1 : 0;
+  const float inside = position - static_cast<float>(turn * r.count);
+  int index = static_cast<int>(inside);
+  const float beyond = inside - static_cast<float>(index);
+  index = index >= r.count ? index - r.count : index;  // rounding may reach the full turn
+  return {index, beyond};
+}
+
+struct Query {
+  const std::uint8_t* tau;
+  const std::uint8_t* re;
+  AngleRamp view, light;
+  int samples, lights;
+  int base;        // record's sample at node 0
+  float fraction;  // of the way from node x to node x + 1 where output x lies
+  float tau_scale, re_scale;
+};
+
+template <class CellType>
+struct Pair;  // two neighbouring cells in one word
+template <>
+struct Pair<std::uint8_t> {
+  using Word = std::uint16_t;
+  static int low(std::int32_t w) { return w & 0xFF; }
+  static int high(std::int32_t w) { return (w >> 8) & 0xFF; }
+};
+template <>
+struct Pair<std::uint16_t> {
+  using Word = std::uint32_t;
+  static int low(std::int32_t w) { return w & 0xFFFF; }
+  static int high(std::int32_t w) { return (w >> 16) & 0xFFFF; }
+};
+
+template <class T>
+inline std::int32_t load(const std::uint8_t* cells, std::int32_t index, std::size_t cell_bytes) {
+  T word;
+  std::memcpy(&word, cells + static_cast<std::size_t>(index) * cell_bytes, sizeof word);
+  return static_cast<std::int32_t>(word);
+}
+
+/// Three passes, so that the compiler vectorises all but the loads: where, load, interpolate.
+template <class CellType, bool with_re>
+__attribute__((always_inline)) inline void run(const Query& q, float* tau_out, float* re_out) {
+  using Word = typename Pair<CellType>::Word;
+  alignas(64) std::int32_t t0[kNodes], t1[kNodes], r0[kNodes], r1[kNodes];
+  alignas(64) float view_weight[kNodes], light_weight[kNodes], tau[kNodes], re[kNodes];
+  const int nodes = q.samples + 1;
+  for (int j = 0; j < nodes; ++j) {
+    const int shifted = q.base + j;
+    const int sample = shifted >= q.samples ? shifted - q.samples : shifted;
+    const Cell view = cell_at(q.view, j);
+    const int next = view.index + 1 >= q.view.count ? 0 : view.index + 1;
+    view_weight[j] = view.beyond;
+    t0[j] = view.index * q.samples + sample;
+    t1[j] = next * q.samples + sample;
+    if constexpr (with_re) {
+      const Cell light = cell_at(q.light, j);
+      light_weight[j] = light.beyond;
+      r0[j] = t0[j] * (q.lights + 1) + light.index;
+      r1[j] = t1[j] * (q.lights + 1) + light.index;
+    }
+  }
+  for (int j = 0; j < nodes; ++j) {
+    t0[j] = load<CellType>(q.tau, t0[j], sizeof(CellType));
+    t1[j] = load<CellType>(q.tau, t1[j], sizeof(CellType));
+    if constexpr (with_re) {
+      r0[j] = load<Word>(q.re, r0[j], sizeof(CellType));
+      r1[j] = load<Word>(q.re, r1[j], sizeof(CellType));
+    }
+  }
+  for (int j = 0; j < nodes; ++j) {
+    tau[j] = static_cast<float>(t0[j]) + view_weight[j] * static_cast<float>(t1[j] - t0[j]);
+    if constexpr (with_re) {
+      const int a = Pair<CellType>::low(r0[j]), b = Pair<CellType>::low(r1[j]);
+      const float first = static_cast<float>(a) + light_weight[j] * static_cast<float>(Pair<CellType>::high(r0[j]) - a);
+      const float second =
+          static_cast<float>(b) + light_weight[j] * static_cast<float>(Pair<CellType>::high(r1[j]) - b);
+      re[j] = first + view_weight[j] * (second - first);
+    }
+  }
+  for (int x = 0; x < q.samples; ++x) tau_out[x] = q.tau_scale * (tau[x] + q.fraction * (tau[x + 1] - tau[x]));
+  if constexpr (with_re) {
+    for (int x = 0; x < q.samples; ++x) re_out[x] = q.re_scale * (re[x] + q.fraction * (re[x + 1] - re[x]));
+  }
+}
+
+#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+PELAGE_CLONES void run_8(const Query& q, float* tau, float* re) {
+  run<std::uint8_t, true>(q, tau, re);
+}
+PELAGE_CLONES void run_8_tau(const Query& q, float* tau) {
+  run<std::uint8_t, false>(q, tau, nullptr);
+}
+PELAGE_CLONES void run_16(const Query& q, float* tau, float* re) {
+  run<std::uint16_t, true>(q, tau, re);
+}
+PELAGE_CLONES void run_16_tau(const Query& q, float* tau) {
+  run<std::uint16_t, false>(q, tau, nullptr);
+}
+#undef PELAGE_CLONES
+
+/// Cells of a stored array and the value of one step.
+float to_cells(const QuantisedArray& array, Storage storage, std::vector<std::uint16_t>& cells) {
+  if (storage == Storage::u8) {
+    cells.assign(array.bytes.begin(), array.bytes.end());
+    return array.scale / 255.0F;
+  }
+  const std::vector<float> values = dequantise(array, storage);
+  const float largest = *std::max_element(values.begin(), values.end());
+  const float gain = largest > 0 ? 65535.0F / largest : 0.0F;
+  cells.resize(values.size());
+  std::transform(values.begin(), values.end(), cells.begin(),
+                 [&](float v) { return static_cast<std::uint16_t>(std::min(v * gain + 0.5F, 65535.0F)); });
+  return largest / 65535.0F;
+}
+
+}  // namespace
+
+RecordBank::RecordBank(const DatabaseReader& reader)
+    : metadata_(reader.metadata()), feature_scale_(reader.feature_scale()), shape_(reader.shape()) {
+  allocate(reader.metadata().sectors);
+  reader.for_each([&](std::uint64_t id, const StoredSector& sector) { set(id, sector); });
+}
+
+RecordBank::RecordBank(DatabaseMetadata metadata, FeatureScale scale, std::span<const StoredSector> sectors)
+    : metadata_(std::move(metadata)), feature_scale_(std::move(scale)), shape_(record_shape(metadata_.settings)) {
+  allocate(sectors.size());
+  for (std::size_t i = 0; i < sectors.size(); ++i) set(i, sectors[i]);
+}
+
+void RecordBank::allocate(std::size_t records) {
+  cell_bytes_ = bytes_per_value(metadata_.settings.storage);
+  scales_.resize(records);
+  const auto row = static_cast<std::size_t>(shape_.lights) + 1;
+  tau_.resize(records * shape_.tau_size() * cell_bytes_);
+  re_.resize(records * shape_.tau_size() * row * cell_bytes_);
+}
+
+void RecordBank::set(std::size_t record, const StoredSector& sector) {
+  const auto views = static_cast<std::size_t>(shape_.views), lights = static_cast<std::size_t>(shape_.lights),
+             samples = static_cast<std::size_t>(shape_.samples);
+  std::vector<std::uint16_t> cells;
+  const auto put = [&](std::uint8_t* at, std::size_t i) { std::memcpy(at, &cells[i], cell_bytes_); };
+  scales_[record].tau = to_cells(sector.tau, metadata_.settings.storage, cells);
+  std::uint8_t* tau = tau_.data() + record * shape_.tau_size() * cell_bytes_;
+  for (std::size_t i = 0; i < cells.size(); ++i, tau += cell_bytes_) put(tau, i);
+  scales_[record].re = to_cells(sector.re, metadata_.settings.storage, cells);
+  std::uint8_t* re = re_.data() + record * shape_.tau_size() * (lights + 1) * cell_bytes_;
+  for (std::size_t v = 0; v < views; ++v) {
+    for (std::size_t x = 0; x < samples; ++x) {
+      for (std::size_t l = 0; l <= lights; ++l, re += cell_bytes_) put(re, (v * lights + l % lights) * samples + x);
+    }
+  }
+  features_.insert(features_.end(), sector.features.begin(), sector.features.end());
+  crossings_.insert(crossings_.end(), sector.crossings.begin(), sector.crossings.end());
+  offsets_.push_back(static_cast<std::uint32_t>(crossings_.size()));
+}
+
+float RecordBank::tau(std::size_t record, int view, int sample) const noexcept {
+  const std::size_t cell = record * shape_.tau_size() +
+                           static_cast<std::size_t>(view) * static_cast<std::size_t>(shape_.samples) +
+                           static_cast<std::size_t>(sample);
+  std::uint16_t value = 0;
+  std::memcpy(&value, tau_.data() + cell * cell_bytes_, cell_bytes_);
+  return scales_[record].tau * static_cast<float>(value);
+}
+
+void RecordBank::lookup(std::size_t record, float shift, const SatfAngles& angles, std::span<float> tau,
+                        std::span<float> re) const noexcept {
+  const int n = shape_.samples;
+  PELAGE_ASSERT(static_cast<int>(tau.size()) >= n && (re.empty() || static_cast<int>(re.size()) >= n));
+  // Output x shows the record at sample x - shift n = x + base + fraction; node j, sample j + base, lies at x = j -
+  // fraction.
+  const float moved = -(shift - std::floor(shift)) * static_cast<float>(n);
+  const float whole = std::floor(moved);
+  const float fraction = moved - whole;
+  const int base = (static_cast<int>(whole) + n) % n;
+  const auto row = static_cast<std::size_t>(shape_.lights) + 1;
+  const Query q{tau_.data() + record * shape_.tau_size() * cell_bytes_,
+                re_.data() + record * shape_.tau_size() * row * cell_bytes_,
+                ramp(angles.view_first, angles.view_last, shape_.views, n, fraction),
+                ramp(angles.light_first, angles.light_last, shape_.lights, n, fraction),
+                n,
+                shape_.lights,
+                base,
+                fraction,
+                scales_[record].tau,
+                scales_[record].re};
+  if (cell_bytes_ == 1) {
+    re.empty() ? run_8_tau(q, tau.data()) : run_8(q, tau.data(), re.data());
+  } else {
+    re.empty() ? run_16_tau(q, tau.data()) : run_16(q, tau.data(), re.data());
+  }
+}
+
+}  // namespace pelage
