@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 namespace pelage::hair {
 namespace {
@@ -35,6 +37,37 @@ void add_smoothing(Eigen::MatrixXd& normal, std::size_t controls, double smoothi
     normal.block<3, 3>(at, at) += smoothing * width * d * d.transpose();
   }
 }
+
+/// Normal equations of a curve's control points.
+struct NormalEquations {
+  explicit NormalEquations(std::size_t controls)
+      : normal(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), static_cast<Eigen::Index>(controls))),
+        right(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(controls), 3)) {}
+
+  /// The sum of factor * C(x) over `terms` shall be `value`.
+  void add(std::initializer_list<std::pair<double, BasisRow>> terms, const glm::dvec3& value, double weight) {
+    for (const auto& [fa, a] : terms) {
+      const Eigen::Map<const Eigen::Vector4d> wa(a.weights.data());
+      const auto row = static_cast<Eigen::Index>(a.first);
+      right.block<4, 3>(row, 0) += weight * fa * wa * Eigen::RowVector3d(value.x, value.y, value.z);
+      for (const auto& [fb, b] : terms) {
+        const Eigen::Map<const Eigen::Vector4d> wb(b.weights.data());
+        normal.block<4, 4>(row, static_cast<Eigen::Index>(b.first)) += weight * fa * fb * wa * wb.transpose();
+      }
+    }
+  }
+  void scale(double factor) { normal *= factor, right *= factor; }
+  std::vector<glm::vec3> solve() const {
+    const Eigen::MatrixXd solution = normal.ldlt().solve(right);
+    std::vector<glm::vec3> points;
+    for (Eigen::Index i = 0; i < solution.rows(); ++i) {
+      points.emplace_back(solution(i, 0), solution(i, 1), solution(i, 2));
+    }
+    return points;
+  }
+
+  Eigen::MatrixXd normal, right;
+};
 
 using Matrix2 = Eigen::Matrix2d;
 
@@ -113,26 +146,20 @@ BasisRow basis_row(std::size_t controls, double x) {
   return {first, n};
 }
 
-std::vector<glm::vec3> fit_curve(std::span<const CurveSample> samples, std::size_t controls, double smoothing) {
-  const auto n = static_cast<Eigen::Index>(controls);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 3);
+std::vector<glm::vec3> fit_curve(std::span<const CurveSample> points, std::span<const StepSample> steps,
+                                 std::size_t controls, double smoothing) {
+  NormalEquations equations(controls);
   double total = 0;
-  for (const CurveSample& s : samples) {
-    const BasisRow row = basis_row(controls, s.x);
-    const Eigen::Map<const Eigen::Vector4d> w(row.weights.data());
-    const auto first = static_cast<Eigen::Index>(row.first);
-    normal.block<4, 4>(first, first) += s.weight * w * w.transpose();
-    right.block<4, 3>(first, 0) += s.weight * w * Eigen::RowVector3d(s.point.x, s.point.y, s.point.z);
+  for (const CurveSample& s : points) {
+    equations.add({{1.0, basis_row(controls, s.x)}}, s.point, s.weight);
     total += s.weight;
   }
-  normal /= total;
-  right /= total;
-  add_smoothing(normal, controls, smoothing);
-  const Eigen::MatrixXd solution = normal.ldlt().solve(right);
-  std::vector<glm::vec3> points;
-  for (Eigen::Index i = 0; i < n; ++i) points.emplace_back(solution(i, 0), solution(i, 1), solution(i, 2));
-  return points;
+  for (const StepSample& s : steps) {
+    equations.add({{1.0, basis_row(controls, s.x1)}, {-1.0, basis_row(controls, s.x0)}}, s.step, s.weight);
+  }
+  equations.scale(1 / total);
+  add_smoothing(equations.normal, controls, smoothing);
+  return equations.solve();
 }
 
 std::vector<CrossSection> fit_cross_sections(std::span<const PlaneSample> samples, std::size_t controls,

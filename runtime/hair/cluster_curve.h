@@ -27,10 +27,19 @@ struct CurveSample {
   double weight;
 };
 
-/// Control points (`controls` >= 4) that minimise  sum w |C(x) - p|^2 / sum w + smoothing * integral |C''|^2 dx
-/// [P-splines, Eilers and Marx 1996, the integral by differences over Greville abscissae: straight lines cost nothing].
+/// The curve shall move by `step` from x0 to x1.
+struct StepSample {
+  double x0, x1;
+  glm::dvec3 step;
+  double weight;
+};
+
+/// Control points (`controls` >= 4) that minimise
+///   [sum w |C(x) - p|^2 + sum w |C(x1) - C(x0) - step|^2] / sum w of points  +  smoothing * integral |C''|^2 dx
+/// [P-splines, Eilers and Marx 1996; the integral by differences over Greville abscissae: straight lines cost nothing].
 /// A sine of n periods loses the share (2 pi n)^4 smoothing of its amplitude.
-std::vector<glm::vec3> fit_curve(std::span<const CurveSample> samples, std::size_t controls, double smoothing);
+std::vector<glm::vec3> fit_curve(std::span<const CurveSample> points, std::span<const StepSample> steps,
+                                 std::size_t controls, double smoothing);
 
 /// A point in the plate plane of t.
 struct PlaneSample {

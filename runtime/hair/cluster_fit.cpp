@@ -20,13 +20,15 @@
 namespace pelage::hair {
 namespace {
 
-constexpr int kFeaturePoints = 8;      // per strand in the k-means
-constexpr int kKMeansIterations = 20;  // 20 -> 100 changes the radius on the Sintel bob by < 1 %
-constexpr int kMeanPoints = 24;        // of the mean strand that a centre line starts from
-constexpr int kCurvePasses = 3;        // project and fit
-constexpr double kSmoothing = 1e-6;    // a bend over the whole length keeps 99.8 %, three waves 88 % of their amplitude
-constexpr double kEndMargin = 0.005;   // of the centre line's length beyond the outermost strand
-constexpr int kExtensions = 4;         // attempts to cover every strand's t-range
+constexpr int kFeaturePoints = 8;                     // per strand in the k-means
+constexpr int kKMeansIterations = 20;                 // 20 -> 100 changes the radius on the Sintel bob by < 1 %
+constexpr int kMeanPoints = 24;                       // of the mean strand that a centre line starts from
+constexpr int kCurvePasses = 3;                       // project and fit
+constexpr double kSmoothings[] = {1e-6, 1e-4, 1e-2};  // the first keeps 88 % of three waves' amplitude (fit_curve)
+constexpr double kFewCut = 0.002;                     // share of the vertices at which no stiffer line is tried
+constexpr double kAlongWeight = 2.0;                  // > 1: see refit_line
+constexpr double kEndMargin = 0.005;                  // of the centre line's length beyond the outermost strand
+constexpr int kExtensions = 4;                        // attempts to cover every strand's t-range
 constexpr std::size_t kSectionControls = 8;
 constexpr std::size_t kMinControls = 6, kMaxControls = 32;  // of centre lines
 constexpr double kTurnPerControl = std::numbers::pi / 6;    // one more control point for every 30 degrees of turning
@@ -132,7 +134,7 @@ std::vector<glm::vec3> fit_polyline(std::span<const glm::vec3> polyline, std::si
     if (i > 0) s += static_cast<double>(glm::distance(polyline[i], polyline[i - 1]));
     samples.push_back({s / length, glm::dvec3(polyline[i]), 1.0});
   }
-  return fit_curve(samples, controls, kSmoothing);
+  return fit_curve(samples, {}, controls, kSmoothings[0]);
 }
 
 std::vector<Placed> place(const Strands& strands, const Members& members, const CentreLine& line) {
@@ -178,18 +180,41 @@ Range with_margin(Range r) {
   return {r.low - margin, r.high + margin};
 }
 
-/// The centre line nearest to its strands, over their whole range of t.
-std::vector<glm::vec3> refit_line(const Strands& strands, const Draft& draft) {
-  const Range range = with_margin(range_of(draft.placed));
-  std::vector<CurveSample> samples;
-  for (const Placed& p : draft.placed) {
-    if (p.points.size() < 2) continue;
+/// Mean square distance of the strands from their centre line [m^2].
+double mean_square_m2(const Strands& strands, const std::vector<Placed>& placed) {
+  double sum = 0, weights = 0;
+  for (const Placed& p : placed) {
     for_vertices(strands, p, [&](const PlanePoint& q, double weight) {
-      samples.push_back(
-          {(q.t - range.low) / (range.high - range.low), glm::dvec3(strands.strand(p.strand)[q.vertex]), weight});
+      sum += weight * glm::dot(q.plane_m, q.plane_m);
+      weights += weight;
     });
   }
-  return samples.empty() ? draft.control : fit_curve(samples, draft.control.size(), kSmoothing);
+  return weights > 0 ? sum / weights : 0.0;
+}
+
+/// The centre line that lies amid its strands and runs along them, over their whole range of t.
+/// The second demand (a direction error of 1 costs kAlongWeight times the mean square distance) holds it where a
+/// cluster is wider than long: there the line nearest to all points runs across the strands.
+std::vector<glm::vec3> refit_line(const Strands& strands, const Draft& draft, double smoothing) {
+  const Range range = with_margin(range_of(draft.placed));
+  const auto x_of = [&](const PlanePoint& q) { return (q.t - range.low) / (range.high - range.low); };
+  const double along_m2 = kAlongWeight * mean_square_m2(strands, draft.placed);
+  std::vector<CurveSample> points;
+  std::vector<StepSample> steps;
+  for (const Placed& p : draft.placed) {
+    if (p.points.size() < 2) continue;
+    const std::span<const glm::vec3> strand = strands.strand(p.strand);
+    for_vertices(strands, p, [&](const PlanePoint& q, double weight) {
+      points.push_back({x_of(q), glm::dvec3(strand[q.vertex]), weight});
+    });
+    for (std::size_t i = 1; i < p.points.size(); ++i) {
+      const PlanePoint &a = p.points[i - 1], &b = p.points[i];
+      const glm::dvec3 step = glm::dvec3(strand[b.vertex]) - glm::dvec3(strand[a.vertex]);
+      const double length_m = glm::length(step);
+      if (length_m > 0) steps.push_back({x_of(a), x_of(b), step, along_m2 / length_m});  // length / length^2
+    }
+  }
+  return points.empty() ? draft.control : fit_curve(points, steps, draft.control.size(), smoothing);
 }
 
 /// The same line, straight on at both ends until it spans the range.
@@ -203,7 +228,7 @@ std::vector<glm::vec3> extended(const CentreLine& line, Range range, std::size_t
     const double beyond_m = (t - std::clamp(t, 0.0, 1.0)) * line.length_m();
     samples.push_back({x, glm::dvec3(f.position) + beyond_m * glm::dvec3(f.tangent), 1.0});
   }
-  return fit_curve(samples, controls, 0.0);
+  return fit_curve(samples, {}, controls, 0.0);
 }
 
 void set_line(const Strands& strands, Draft& draft, std::vector<glm::vec3> control) {
@@ -212,26 +237,46 @@ void set_line(const Strands& strands, Draft& draft, std::vector<glm::vec3> contr
   draft.placed = place(strands, draft.members, *draft.line);
 }
 
-void fit_line(const Strands& strands, Draft& draft) {
+void fit_line(const Strands& strands, Draft& draft, double smoothing) {
   const std::vector<glm::vec3> mean = mean_strand(strands, draft.members);
   set_line(strands, draft, fit_polyline(mean, controls_for(mean)));
-  for (int pass = 0; pass < kCurvePasses; ++pass) set_line(strands, draft, refit_line(strands, draft));
+  for (int pass = 0; pass < kCurvePasses; ++pass) set_line(strands, draft, refit_line(strands, draft, smoothing));
   for (int i = 0; i < kExtensions; ++i) {
     const Range range = range_of(draft.placed);
-    if (range.low >= 0 && range.high <= 1) return;
+    if (range.low >= 0 && range.high <= 1) break;
     const Range wider = with_margin({std::min(range.low, 0.0), std::max(range.high, 1.0)});
     set_line(strands, draft, extended(*draft.line, wider, std::min(draft.control.size() + 1, kMaxControls)));
   }
+  for (Placed& p : draft.placed) {  // what still lies before the root or beyond the tip is cut
+    std::erase_if(p.points, [](const PlanePoint& q) { return q.t < 0 || q.t > 1; });
+  }
 }
 
-/// Whatever still lies before the root or beyond the tip of its centre line is cut.
-void cut_outside(std::vector<Placed>& placed) {
-  for (Placed& p : placed) std::erase_if(p.points, [](const PlanePoint& q) { return q.t < 0 || q.t > 1; });
+/// Share of the vertices that the cluster does not hold.
+double share_cut(const Strands& strands, const Draft& draft) {
+  std::size_t all = 0, kept = 0;
+  for (const Placed& p : draft.placed) {
+    all += strands.strand(p.strand).size();
+    if (p.points.size() >= 2) kept += p.points.size();
+  }
+  return 1 - static_cast<double>(kept) / static_cast<double>(all);
+}
+
+/// Fits the line, stiffer where a supple one bends back so that strands are lost, and keeps the one that holds most.
+void fit_best_line(const Strands& strands, Draft& draft) {
+  double least = 2;
+  Draft best;
+  for (const double smoothing : kSmoothings) {
+    fit_line(strands, draft, smoothing);
+    const double cut = share_cut(strands, draft);
+    if (cut < least) best = draft, least = cut;
+    if (least < kFewCut) break;
+  }
+  draft = std::move(best);
 }
 
 void fit_draft(const Strands& strands, const FitSettings& settings, Draft& draft) {
-  fit_line(strands, draft);
-  cut_outside(draft.placed);
+  fit_best_line(strands, draft);
   std::vector<PlaneSample> samples;
   for (const Placed& p : draft.placed) {
     for_vertices(strands, p, [&](const PlanePoint& q, double weight) {
