@@ -1,0 +1,25 @@
+// Where hair grows on the parametric head: roots spread evenly inside a hairline (forehead, temples, sideburns, above
+// the ears, nape).
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "pelage/hair/head.h"
+
+namespace pelage::hair {
+
+struct Root {
+  glm::vec3 position_m;
+  glm::vec3 normal;  // of the scalp, outward
+};
+
+/// Centre from which directions on the skull are measured [m].
+glm::vec3 skull_centre_m(const HeadParameters& head) noexcept;
+
+/// Exactly `count` roots, from the crown downwards: a jittered Fibonacci lattice, so that spacing is even to a third.
+std::vector<Root> scalp_roots(const HeadParameters& head, const HeadField& field, std::uint32_t count,
+                              std::uint64_t seed);
+
+}  // namespace pelage::hair
