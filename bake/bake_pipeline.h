@@ -1,0 +1,32 @@
+// Bakes a database: choose sectors, trace each, store in order [Xu2006 section 5; DESIGN section 4]. Each record
+// depends only on (settings, index) or (settings, hairstyle, index), so the file is the same bytes for any number of
+// threads and however often the bake was interrupted.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "pelage/data_schema/bake_settings.h"
+#include "pelage/data_schema/hairstyle.h"
+
+namespace pelage {
+
+struct BakeResult {
+  std::uint64_t records = 0;  // in the database
+  std::uint64_t resumed = 0;  // of them, found in a partial file
+  double seconds = 0;
+};
+
+/// What the records of an adapted bake depend on (division and strands; neither names nor widths): 16 hex digits.
+std::string hairstyle_hash(const Hairstyle& style);
+
+/// @param style     null: random sectors, else representatives of this hairstyle's non-empty ones
+/// @param out       replaced when all is done; until then rows lie in `<out>.partial`, which the next call resumes
+/// @param progress  told the rows done, from one thread at a time; may throw Interrupted, the partial file stays then
+/// @throws InputError, OutputError [db/database.h]
+BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& out,
+                         const std::function<void(std::uint64_t done, std::uint64_t total)>& progress);
+
+}  // namespace pelage
