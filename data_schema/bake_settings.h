@@ -24,7 +24,7 @@ struct PlanarPhong {
 };
 
 struct BakeSettings {
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;          // [0, 2^53): what every JSON reader keeps exactly
   int sectors = 2000;              // records to bake, [1, 1,000,000]
   int grid = 32;                   // density grid cells per side, [8, 128]
   double sigma = 0.05;             // standard deviation of a strand's Gaussian, sector coordinates, [0.01, 0.08]

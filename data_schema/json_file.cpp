@@ -104,6 +104,8 @@ std::string read_text(const std::filesystem::path& file) {
 }
 
 json parse_json(const std::string& text, const std::string& where) {
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos)  // the parser would stop there, content
+    throw InputError(where, position_text(text, zero) + ": not JSON: a zero byte");
   Builder builder(text, where);
   json::sax_parse(text, &builder);
   return builder.take();

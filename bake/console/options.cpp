@@ -21,7 +21,7 @@ std::string range_text(double min, double max) {
 /// Why `text` is no finite number in [min, max], or empty.
 std::string why_not(const std::string& text, double min, double max) {
   double value = 0;
-  const char* first = text.c_str() + (text.starts_with('+') ? 1 : 0);
+  const char* first = text.c_str() + (text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
   const char* last = text.c_str() + text.size();
   const auto [end, error] = std::from_chars(first, last, value);
   const std::string allowed = ": give " + range_text(min, max);

@@ -1,0 +1,88 @@
+// Hard case 32: an output path that is missing, not writable or a folder; an interrupted writer.
+#include "pelage/data_schema/output_file.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "pelage/data_schema/errors.h"
+#include "temporary.h"
+
+namespace pelage {
+namespace {
+
+using test::message_of;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+TEST(OutputFile, PathThatCannotBeWrittenIsRefusedWithTheRemedy) {
+  const test::TemporaryFolder folder;
+  const auto message = [](const fs::path& path) { return message_of<OutputError>([&] { check_writable(path); }); };
+  EXPECT_THAT(message(folder / "missing/out.png"), HasSubstr("create it first"));
+  EXPECT_THAT(message(folder / ""), HasSubstr("is a folder: name a file in it"));
+  EXPECT_THAT(message(folder / "."), HasSubstr("is a folder"));
+  EXPECT_THAT(message("/dev/null"), HasSubstr("is a device"));
+  EXPECT_THAT(message(""), HasSubstr("the path is empty"));
+  EXPECT_THAT(message(folder.write("file", "x") / "out.png"), HasSubstr("there is no folder"));
+  EXPECT_NO_THROW(check_writable(folder / "out.png"));
+  EXPECT_EQ(folder.entries(), 1U) << "checking leaves nothing behind";
+}
+
+TEST(OutputFile, ReadOnlyFileAndFolderAreRefused) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.write("out.png", "old");
+  chmod(file.c_str(), 0444);
+  EXPECT_THAT(message_of<OutputError>([&] { check_writable(file); }), HasSubstr("is not writable"));
+  chmod((folder / "").c_str(), 0555);
+  EXPECT_THAT(message_of<OutputError>([&] { check_writable(folder / "new"); }), HasSubstr("folder is not writable"));
+  chmod((folder / "").c_str(), 0755);
+}
+
+TEST(OutputFile, FileAppearsWholeOnCommit) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.write("out.json", "old");
+  AtomicFile out(file);
+  out.write("new");
+  EXPECT_EQ(test::text_of(file), "old");
+  EXPECT_EQ(out.temporary().extension(), ".json") << "libraries choose the format by it";
+  out.commit();
+  EXPECT_EQ(test::text_of(file), "new");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputFile, AbandonedWriteKeepsTheOldFileAndNoTemporary) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.write("out.json", "old");
+  EXPECT_THROW(
+      {
+        AtomicFile out(file);
+        out.write("half");
+        throw Interrupted("interrupted");
+      },
+      Interrupted);
+  EXPECT_EQ(test::text_of(file), "old");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputFile, SymbolicLinkStaysALink) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.write("real", "old");
+  fs::create_symlink("real", folder / "link");
+  AtomicFile out(folder / "link");
+  out.write("new");
+  out.commit();
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(test::text_of(file), "new");
+}
+
+TEST(OutputFile, FullDiskIsReported) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const test::TemporaryFolder folder;
+  AtomicFile out(folder / "out");
+  fs::remove(out.temporary());
+  fs::create_symlink("/dev/full", out.temporary());
+  EXPECT_THAT(message_of<OutputError>([&] { out.write("x"); }), HasSubstr("cannot write: No space left"));
+}
+
+}  // namespace
+}  // namespace pelage
