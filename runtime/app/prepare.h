@@ -1,0 +1,23 @@
+// From a scene to something that can be drawn: hairstyle (read, or fitted and cached), record source (database given, or
+// adapted one baked and cached, or direct tracing), head.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "pelage/data_schema/mesh.h"
+#include "pelage/data_schema/scene.h"
+#include "pelage/db/record_source.h"
+
+namespace pelage::app {
+
+/// Fitted hairstyles and adapted databases are kept here, named by a hash of everything they depend on:
+/// $PELAGE_CACHE, else $XDG_CACHE_HOME/pelage, else ~/.cache/pelage. Safe to delete at any time.
+std::filesystem::path cache_folder();
+
+Hairstyle prepare_hairstyle(const Scene& scene);
+Mesh prepare_head(const Scene& scene);
+/// @param bake  out: the settings that the records were baked with
+std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake);
+
+}  // namespace pelage::app

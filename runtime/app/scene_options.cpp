@@ -1,0 +1,195 @@
+#include "pelage/app/scene_options.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pelage/data_schema/errors.h"
+
+namespace pelage::app {
+namespace {
+
+std::vector<float> numbers(const std::string& text, const std::string& option, std::size_t fewest, std::size_t most) {
+  std::vector<float> values;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');) {
+    std::size_t used = 0;
+    float value = NAN;
+    try {
+      value = std::stof(part, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used == 0 || used != part.size() || !std::isfinite(value)) {
+      throw UsageError(option + ": '" + part + "' in '" + text + "' is not a finite number");
+    }
+    values.push_back(value);
+  }
+  if (values.size() < fewest || values.size() > most) {
+    throw UsageError(option + ": '" + text + "' has " + std::to_string(values.size()) + " numbers; give " +
+                     std::to_string(fewest) + (most > fewest ? " to " + std::to_string(most) : "") + ", separated by commas");
+  }
+  return values;
+}
+
+/// "1280x720"
+void parse_size(const std::string& text, ImageSettings& image) {
+  const std::size_t x = text.find('x');
+  int used_w = 0, used_h = 0;
+  const bool good = x != std::string::npos && std::sscanf(text.c_str(), "%d%n", &image.width, &used_w) == 1 &&
+                    static_cast<std::size_t>(used_w) == x &&
+                    std::sscanf(text.c_str() + x + 1, "%d%n", &image.height, &used_h) == 1 &&
+                    x + 1 + static_cast<std::size_t>(used_h) == text.size();
+  if (!good || image.width < 1 || image.height < 1 || image.width > 16384 || image.height > 16384) {
+    throw UsageError("--size: '" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each, e.g. 1280x720");
+  }
+}
+
+Camera parse_camera(const std::string& text) {
+  const auto v = numbers(text, "--camera", 6, 7);
+  Camera camera;
+  camera.eye = {v[0], v[1], v[2]};
+  camera.target = {v[3], v[4], v[5]};
+  if (v.size() == 7) camera.fov_deg = v[6];
+  if (camera.eye == camera.target) throw UsageError("--camera: eye and target are the same point");
+  if (!(camera.fov_deg > 0 && camera.fov_deg < 170)) throw UsageError("--camera: the field of view must lie between 0 and 170 degrees");
+  return camera;
+}
+
+Light parse_light(const std::string& text) {
+  const auto v = numbers(text, "--light", 3, 4);
+  Light light;
+  light.direction = {v[0], v[1], v[2]};
+  if (v.size() == 4) light.intensity = v[3];
+  if (light.direction == glm::vec3(0.0F)) throw UsageError("--light: the direction is zero; give one towards the light, e.g. 0.4,0.7,0.6");
+  if (light.intensity < 0) throw UsageError("--light: the intensity is negative");
+  return light;
+}
+
+glm::vec3 srgb_colour(const std::string& text) {
+  unsigned rgb = 0;
+  int used = 0;
+  if (text.size() != 7 || text[0] != '#' || std::sscanf(text.c_str() + 1, "%6x%n", &rgb, &used) != 1 || used != 6) {
+    throw UsageError("--background: '" + text + "' is neither 'transparent' nor a colour like #d8dce0");
+  }
+  const auto linear = [](unsigned byte) {
+    const float x = static_cast<float>(byte & 255U) / 255.0F;
+    return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F);
+  };
+  return {linear(rgb >> 16), linear(rgb >> 8), linear(rgb)};
+}
+
+template <class T>
+T choose(const std::map<std::string, T>& known, const std::string& value, const std::string& option) {
+  const auto it = known.find(value);
+  if (it != known.end()) return it->second;
+  std::string list;
+  for (const auto& [name, unused] : known) list += (list.empty() ? "" : ", ") + name;
+  throw UsageError(option + ": '" + value + "' is not one of " + list);
+}
+
+void switch_off(SatfSettings& satf, const std::string& name) {
+  const std::map<std::string, bool SatfSettings::*> switches{
+      {"diffuse", &SatfSettings::diffuse},           {"primary", &SatfSettings::primary_highlight},
+      {"secondary", &SatfSettings::secondary_highlight}, {"global-shadow", &SatfSettings::global_shadow},
+      {"fade-ends", &SatfSettings::fade_ends},       {"drift", &SatfSettings::drift},
+      {"curvature", &SatfSettings::curvature}};
+  satf.*choose(switches, name, "--off") = false;
+}
+
+/// A scene file is JSON with a "hair" key; a hairstyle file has "clusters" instead.
+bool is_scene_file(const std::filesystem::path& file) {
+  if (file.extension() != ".json") return false;
+  std::ifstream in(file);
+  if (!in) throw InputError(file.string(), "cannot be read");
+  const auto json = nlohmann::json::parse(in, nullptr, false);
+  return json.is_object() && !json.contains("clusters");
+}
+
+void check_input(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) throw InputError(file.string(), "no such file");
+  if (std::filesystem::is_directory(file)) throw InputError(file.string(), "is a folder; give a scene, hairstyle or hair file");
+}
+
+}  // namespace
+
+std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
+  auto o = std::make_shared<SceneOptions>();
+  verb.add_option("input", o->input, "Scene file (.json), hairstyle file (.json) or hair file (.hair, .tfx)")->required();
+  verb.add_option("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
+  verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");
+  verb.add_option("--up", o->up, "Axis that points up in hair and head: x, y, z [y]");
+  verb.add_option("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
+  verb.add_option("--camera", o->camera, "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
+  verb.add_option("--light", o->lights, "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
+  verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")->capture_default_str();
+  verb.add_option("--background", o->background, "transparent, or a colour like #d8dce0 [#ededed]");
+  verb.add_option("--size", o->size, "Pixels, WIDTHxHEIGHT [1280x720]");
+  verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")->capture_default_str();
+  verb.add_option("--database", o->database, "HRIR database; without it one adapted to the hair is baked and cached");
+  verb.add_option("--records", o->records, "database, or direct: trace every sector (slow, to compare) [database]");
+  verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")->capture_default_str();
+  verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [2000]");
+  verb.add_option("--clusters", o->clusters, "Clusters fitted to a hair file, 1 to 10000")->capture_default_str();
+  verb.add_option("--layers", o->layers, "Layers of a cluster, 1 to 32 [4]");
+  verb.add_option("--sectors", o->sectors, "Sectors of the outermost layer, 3 to 256 [24]");
+  verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]");
+  verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
+  verb.add_option("--order", o->order, "Drawing order: patches, clusters, exact (per pixel) [patches]");
+  verb.add_option("--off", o->off, "Effects to leave out: diffuse, primary, secondary, global-shadow, fade-ends, drift, curvature")
+      ->delimiter(',');
+  return o;
+}
+
+Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
+  check_input(o.input);
+  const auto given = [&](const char* name) { return verb.count(name) > 0; };
+  Scene scene;
+  if (is_scene_file(o.input)) {
+    scene = load_scene(o.input);
+  } else {
+    scene.hair = o.input;
+  }
+  if (given("--head")) scene.head = o.head;
+  if (given("--database")) scene.database = o.database;
+  if (given("--unit")) scene.unit = o.unit;
+  if (given("--up")) scene.up = o.up;
+  if (given("--material")) {
+    scene.material = std::filesystem::path(o.material).extension() == ".json" ? load_material(o.material) : material_preset(o.material);
+  }
+  if (given("--camera")) scene.camera = parse_camera(o.camera);
+  if (given("--light")) {
+    scene.lights.clear();
+    for (const std::string& text : o.lights) scene.lights.push_back(parse_light(text));
+  }
+  if (given("--exposure")) scene.image.exposure = o.exposure;
+  if (given("--background")) {
+    scene.image.background = o.background == "transparent" ? std::nullopt : std::optional<glm::vec3>(srgb_colour(o.background));
+  }
+  if (given("--size")) parse_size(o.size, scene.image);
+  if (given("--supersampling")) scene.image.supersampling = o.supersampling;
+  if (given("--records")) {
+    scene.satf.records = choose<RecordsFrom>({{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}}, o.records, "--records");
+  }
+  if (given("--neighbours")) scene.satf.neighbours = o.neighbours;
+  if (given("--bake-sectors")) scene.bake.sectors = o.bake_sectors;
+  if (given("--clusters")) scene.clusters = o.clusters;
+  if (given("--layers")) scene.division.layers = o.layers;
+  if (given("--sectors")) scene.division.sectors = o.sectors;
+  if (given("--plates")) scene.division.plates = o.plates;
+  if (given("--self-shadow")) {
+    scene.satf.self_shadow = choose<SelfShadow>(
+        {{"light", SelfShadow::light}, {"paper", SelfShadow::paper}, {"none", SelfShadow::none}}, o.self_shadow, "--self-shadow");
+  }
+  if (given("--order")) {
+    scene.satf.draw_order = choose<DrawOrder>(
+        {{"patches", DrawOrder::patches}, {"clusters", DrawOrder::clusters}, {"exact", DrawOrder::exact}}, o.order, "--order");
+  }
+  for (const std::string& name : o.off) switch_off(scene.satf, name);
+  return scene;
+}
+
+}  // namespace pelage::app

@@ -1,0 +1,31 @@
+// The options that `render` and `view` share: a scene from a scene file or a bare hair file, and what the command line
+// changes of it. DESIGN section 10.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pelage/data_schema/scene.h"
+
+namespace pelage::app {
+
+struct SceneOptions {
+  std::string input;
+  std::string head, database, unit, up, material, camera, background, size, records, self_shadow, order;
+  std::vector<std::string> lights;
+  std::vector<std::string> off;
+  float exposure = 1.0F;
+  int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
+  int layers = 0, sectors = 0, plates = 0;
+};
+
+/// Adds the options; the returned object is filled when the command line is parsed and must outlive the callback.
+std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb);
+
+/// The scene: the file's or, for a hair or hairstyle file, the default one, then the options that were given.
+/// @throws UsageError, InputError
+Scene resolve_scene(const CLI::App& verb, const SceneOptions& options);
+
+}  // namespace pelage::app

@@ -1,0 +1,82 @@
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "pelage/app/prepare.h"
+#include "pelage/app/scene_options.h"
+#include "pelage/app/verbs.h"
+#include "pelage/console/program.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/image/image_file.h"
+#include "pelage/image/tone.h"
+#include "pelage/render/gl_context.h"
+#include "pelage/render/satf_frame.h"
+
+namespace pelage::app {
+namespace {
+
+struct RenderOptions {
+  std::shared_ptr<SceneOptions> scene;
+  std::string out;
+  bool stats = false;
+};
+
+void print_stats(const SatfFrame& frame) {
+  if (console::common().json) {
+    nlohmann::ordered_json json;
+    for (const Stage& s : frame.ledger().stages()) {
+      json["stages"].push_back({{"name", s.name}, {"ms", s.milliseconds}, {"bytes", s.bytes}, {"calls", s.calls}});
+    }
+    json["searches"] = frame.source().searches();
+    std::printf("%s\n", json.dump(2).c_str());
+    return;
+  }
+  std::printf("%-12s %10s %12s %7s\n", "stage", "ms", "KiB", "calls");
+  for (const Stage& s : frame.ledger().stages()) {
+    std::printf("%-12s %10.2f %12.1f %7llu\n", s.name.c_str(), s.milliseconds, static_cast<double>(s.bytes) / 1024.0,
+                static_cast<unsigned long long>(s.calls));
+  }
+  std::printf("FLANN queries: %llu\n", static_cast<unsigned long long>(frame.source().searches()));
+}
+
+void render(const CLI::App& verb, const RenderOptions& options) {
+  const std::filesystem::path out = options.out;
+  if (out.extension() != ".png" && out.extension() != ".exr") {
+    throw UsageError("-o: '" + options.out + "' has no extension that is written; use .png or .exr");
+  }
+  check_writable(out);
+  const Scene scene = resolve_scene(verb, *options.scene);
+  const HeadlessContext context;
+  spdlog::debug("OpenGL {}", opengl_description());
+  Hairstyle style = prepare_hairstyle(scene);
+  BakeSettings bake;
+  std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
+  console::throw_if_interrupted();
+  SatfFrame frame(std::move(style), std::move(records), bake, prepare_head(scene));
+  const ImageSettings& picture = scene.image;
+  const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
+  const FrameSettings settings{scene.camera.value_or(framed_camera(frame.bounds(), aspect)), scene.lights, scene.material, scene.satf};
+  Image image = frame.render(settings, picture.width, picture.height, picture.supersampling);
+  if (const std::size_t bad = remove_non_finite(image); bad > 0) spdlog::warn("{} values of the picture were not finite", bad);
+  expose(image, picture.exposure);
+  compose_over(image, picture.background);
+  write_image(image, out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
+  if (options.stats) print_stats(frame);
+  if (!console::common().json) std::printf("%s\n", out.c_str());
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("render", "Render a picture of a scene, a hairstyle or a hair file");
+  auto options = std::make_shared<RenderOptions>();
+  options->scene = add_scene_options(*verb);
+  verb->add_option("-o,--out", options->out, "Picture to write: .png (8-bit sRGB) or .exr (linear, with the configuration)")->required();
+  verb->add_flag("--stats", options->stats, "Print time, bytes and calls of each stage");
+  console::add_common_options(*verb);
+  verb->callback([verb, options] { render(*verb, *options); });
+}
+
+}  // namespace pelage::app

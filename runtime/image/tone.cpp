@@ -1,0 +1,51 @@
+#include "pelage/image/tone.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pelage {
+
+std::size_t remove_non_finite(Image& image) noexcept {
+  std::size_t count = 0;
+  for (float& v : image.rgba) {
+    if (std::isfinite(v)) continue;
+    v = 0.0F;
+    ++count;
+  }
+  return count;
+}
+
+void compose_over(Image& image, const std::optional<glm::vec3>& background) noexcept {
+  if (!background) return;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    const float through = 1.0F - image.rgba[i + 3];
+    for (std::size_t c = 0; c < 3; ++c) image.rgba[i + c] += through * (*background)[static_cast<int>(c)];
+    image.rgba[i + 3] = 1.0F;
+  }
+}
+
+void expose(Image& image, float gain) noexcept {
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    for (std::size_t c = 0; c < 3; ++c) image.rgba[i + c] *= gain;
+  }
+}
+
+float srgb_encode(float linear) noexcept {
+  const float x = std::clamp(linear, 0.0F, 1.0F);
+  return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1.0F / 2.4F) - 0.055F;
+}
+
+std::vector<std::uint8_t> to_srgb8(const Image& image) {
+  std::vector<std::uint8_t> out(image.rgba.size());
+  const auto byte = [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0F, 1.0F) * 255.0F + 0.5F); };
+  for (std::size_t i = 0; i < out.size(); i += 4) {
+    const float alpha = image.rgba[i + 3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[i + c] = alpha > 0.0F ? byte(srgb_encode(image.rgba[i + c] / alpha)) : std::uint8_t{0};
+    }
+    out[i + 3] = byte(alpha);
+  }
+  return out;
+}
+
+}  // namespace pelage

@@ -1,0 +1,28 @@
+// From linear light to a display: the one place where a value that is not finite is replaced, and counted.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "pelage/image/image.h"
+
+namespace pelage {
+
+/// Replaces values that are not finite by 0 and returns how many there were; tests assert that it is 0.
+std::size_t remove_non_finite(Image& image) noexcept;
+
+/// Puts the image over a background (linear RGB), or leaves it transparent.
+void compose_over(Image& image, const std::optional<glm::vec3>& background) noexcept;
+
+/// Multiplies the colours, not alpha.
+void expose(Image& image, float gain) noexcept;
+
+/// sRGB transfer curve of a linear value, clamped to [0, 1].
+float srgb_encode(float linear) noexcept;
+
+/// 8-bit sRGB with straight (un-premultiplied) alpha, [y][x][4].
+std::vector<std::uint8_t> to_srgb8(const Image& image);
+
+}  // namespace pelage

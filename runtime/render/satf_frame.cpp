@@ -1,0 +1,158 @@
+#include "pelage/render/satf_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+
+#include "pelage/data_schema/errors.h"
+#include "pelage/render/gl_objects.h"
+#include "pelage/satf/self_shadow.h"
+
+namespace pelage {
+namespace {
+
+/// Side of a tile in samples: bounds the memory of a frame whatever its size.
+constexpr int kTileSamples = 2048;
+
+bool same_shadows(const FrameSettings& a, const FrameSettings& b) {
+  const SatfSettings &s = a.satf, &t = b.satf;
+  return a.lights == b.lights && s.self_shadow == t.self_shadow && s.global_shadow == t.global_shadow &&
+         s.shadow_resolution == t.shadow_resolution && s.curvature == t.curvature;
+}
+
+bool same_maps(const FrameSettings& a, const FrameSettings& b) {
+  const SatfSettings &s = a.satf, &t = b.satf;
+  return same_shadows(a, b) && a.camera.eye == b.camera.eye && s.fade_ends == t.fade_ends &&
+         s.self_shadow_strength == t.self_shadow_strength;
+}
+
+bool same_order(const FrameSettings& a, const FrameSettings& b) {
+  return a.camera.eye == b.camera.eye && a.satf.draw_order == b.satf.draw_order;
+}
+
+/// Maps the part (x0, y0, w, h) of a picture of W x H pixels (row 0 at the top) to the whole of clip space.
+glm::mat4 tile_matrix(int x0, int y0, int w, int h, int W, int H) {
+  const auto f = [](int v) { return static_cast<float>(v); };
+  const glm::vec3 scale{f(W) / f(w), f(H) / f(h), 1.0F};
+  const float cx = (2.0F * f(x0) + f(w)) / f(W) - 1.0F;
+  const float cy = 1.0F - (2.0F * f(y0) + f(h)) / f(H);
+  return glm::translate(glm::scale(glm::mat4(1.0F), scale), glm::vec3(-cx, -cy, 0.0F));
+}
+
+}  // namespace
+
+SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, const BakeSettings& bake, Mesh head)
+    : style_(std::move(style)), source_(std::move(source)), head_(std::move(head)) {
+  {
+    auto stage = ledger_.run("sectors");
+    model_ = make_model(style_, bake, source_->samples());
+    stage.bytes(model_.sectors.crossings.size() * sizeof(glm::vec2));
+  }
+  {
+    auto stage = ledger_.run("index");
+    source_->attach(model_.sectors);
+  }
+  {
+    auto stage = ledger_.run("surfaces");
+    surfaces_ = make_surfaces(model_);
+    segments_ = hair_segments(style_, model_);
+    stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
+    renderer_.set_hair(surfaces_, model_, style_.clusters);
+    if (!head_.vertices.empty()) renderer_.set_head(head_);
+  }
+  for (const SurfaceVertex& v : surfaces_.vertices) bounds_.add(v.position);
+  for (const glm::vec3& p : head_.vertices) bounds_.add(p);
+}
+
+SatfFrame::~SatfFrame() = default;
+
+void SatfFrame::update(const FrameSettings& frame) {
+  if (frame.lights.size() > kMaxLights) {
+    throw UsageError("the scene has " + std::to_string(frame.lights.size()) + " lights; at most " + std::to_string(kMaxLights) + " are drawn");
+  }
+  if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);
+  if (!last_ || !same_maps(*last_, frame)) update_maps(frame);
+  if (!last_ || !same_order(*last_, frame)) update_order(frame);
+  last_ = frame;
+}
+
+void SatfFrame::update_shadows(const FrameSettings& frame) {
+  std::vector<glm::vec4> on_head(head_.vertices.size(), glm::vec4(1.0F));
+  shadows_.resize(frame.lights.size());
+  for (std::size_t i = 0; i < frame.lights.size(); ++i) {
+    std::optional<DensityMap> map;
+    if (frame.satf.global_shadow) {
+      auto stage = ledger_.run("shadow map");
+      map.emplace(segments_, frame.lights[i].direction, model_.blocked_width_m, frame.satf.shadow_resolution);
+      stage.bytes(map->bytes());
+      for (std::size_t v = 0; v < on_head.size(); ++v) on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);
+    }
+    auto stage = ledger_.run("s-maps");
+    shadows_[i].resize(model_.texels());
+    const ShadowRequest request{glm::normalize(frame.lights[i].direction), frame.satf.self_shadow == SelfShadow::light,
+                                frame.satf.curvature, map ? &*map : nullptr};
+    build_shadows(model_, *source_, request, shadows_[i]);
+    stage.bytes(shadows_[i].size() * sizeof(std::uint16_t));
+  }
+  if (!head_.vertices.empty()) renderer_.set_head_shadow(on_head);
+}
+
+void SatfFrame::update_maps(const FrameSettings& frame) {
+  texels_.resize(model_.texels() * frame.lights.size());
+  {
+    auto stage = ledger_.run("maps");
+    for (std::size_t i = 0; i < frame.lights.size(); ++i) {
+      const MapRequest request{frame.camera.eye, glm::normalize(frame.lights[i].direction), frame.satf};
+      build_maps(model_, *source_, request, shadows_[i], std::span(texels_).subspan(i * model_.texels(), model_.texels()));
+    }
+    stage.bytes(texels_.size() * sizeof(Texel));
+  }
+  auto stage = ledger_.run("upload");
+  renderer_.set_texels(texels_);
+  stage.bytes(texels_.size() * sizeof(Texel));
+}
+
+void SatfFrame::update_order(const FrameSettings& frame) {
+  auto stage = ledger_.run("order");
+  indices_ = ordered_indices(surfaces_, model_.division, frame.satf.draw_order, frame.camera.eye);
+  renderer_.set_order(indices_);
+  stage.bytes(indices_.size() * sizeof(std::uint32_t));
+}
+
+DrawRequest SatfFrame::request_of(const FrameSettings& frame, float aspect) const {
+  return {world_to_clip(frame.camera, bounds_, aspect), frame.camera.eye, frame.lights, frame.material, frame.satf};
+}
+
+void SatfFrame::draw(const FrameSettings& frame, Framebuffer& target) {
+  ledger_.begin_frame();
+  update(frame);
+  auto stage = ledger_.run("draw");
+  renderer_.draw(request_of(frame, static_cast<float>(target.width()) / static_cast<float>(target.height())), target);
+}
+
+Image SatfFrame::render(const FrameSettings& frame, int width, int height, int supersampling) {
+  if (last_) ledger_.begin_frame();
+  update(frame);
+  Image image(width, height);
+  const DrawRequest whole = request_of(frame, static_cast<float>(width) / static_cast<float>(height));
+  const int side = std::max(1, kTileSamples / supersampling);
+  const int w = std::min(width, side), h = std::min(height, side);
+  Framebuffer target(w * supersampling, h * supersampling, GL_RGBA16F, true);
+  for (int y = 0; y < height; y += h) {
+    for (int x = 0; x < width; x += w) {
+      DrawRequest tile = whole;
+      tile.world_to_clip = tile_matrix(x, y, w, h, width, height) * whole.world_to_clip;
+      {
+        auto stage = ledger_.run("draw");
+        renderer_.draw(tile, target);
+        glFinish();
+      }
+      auto stage = ledger_.run("read");
+      renderer_.read(target, supersampling, image, x, y);
+    }
+  }
+  return image;
+}
+
+}  // namespace pelage

@@ -1,0 +1,69 @@
+// SatfFrame: a hairstyle rendered with the SATF, frame after frame. Runs only the stages whose inputs changed:
+//   sectors, index, surfaces   geometry (once)
+//   shadow map, s-maps         light or geometry
+//   maps, upload               view or light
+//   order                      view
+//   head, draw, read           every frame
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pelage/data_schema/mesh.h"
+#include "pelage/db/record_source.h"
+#include "pelage/image/image.h"
+#include "pelage/render/camera.h"
+#include "pelage/render/renderer.h"
+#include "pelage/render/stages.h"
+#include "pelage/shadow/density_map.h"
+
+namespace pelage {
+
+/// Everything that may change from frame to frame.
+struct FrameSettings {
+  Camera camera;
+  std::vector<Light> lights;
+  HairMaterial material;
+  SatfSettings satf;
+};
+
+class SatfFrame {
+ public:
+  /// Needs a current OpenGL context. @param head  may be empty
+  SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, const BakeSettings& bake, Mesh head);
+  ~SatfFrame();
+
+  /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
+  Image render(const FrameSettings& frame, int width, int height, int supersampling);
+  /// Draws into a target of the caller's, one sample per pixel of it.
+  void draw(const FrameSettings& frame, Framebuffer& target);
+
+  const Bounds& bounds() const noexcept { return bounds_; }
+  const StageLedger& ledger() const noexcept { return ledger_; }
+  const RecordSource& source() const noexcept { return *source_; }
+  const SatfModel& model() const noexcept { return model_; }
+
+ private:
+  void update(const FrameSettings& frame);
+  void update_shadows(const FrameSettings& frame);
+  void update_maps(const FrameSettings& frame);
+  void update_order(const FrameSettings& frame);
+  DrawRequest request_of(const FrameSettings& frame, float aspect) const;
+
+  StageLedger ledger_;
+  Hairstyle style_;
+  std::unique_ptr<RecordSource> source_;
+  Mesh head_;
+  SatfModel model_;
+  HairSurfaces surfaces_;
+  std::vector<Segment> segments_;
+  std::vector<std::vector<std::uint16_t>> shadows_;  // [light][texel]
+  std::vector<Texel> texels_;                        // [light][texel]
+  std::vector<std::uint32_t> indices_;
+  Bounds bounds_;
+  std::optional<FrameSettings> last_;
+  Renderer renderer_;
+};
+
+}  // namespace pelage

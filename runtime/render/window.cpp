@@ -1,0 +1,1 @@
+#include "pelage/render/window.h"

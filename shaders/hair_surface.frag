@@ -1,0 +1,123 @@
+#version 430 core
+// Shading of a layer from its re-, alpha- and s-maps [Xu2006 eqs. 7, 8, 13]. Premultiplied output for eq. 14.
+//
+// Eq. 7 interpolates the two plates of an HSV. Here both rows are first moved by the HSV's mean drift, so that a strand
+// that crosses the sector moves instead of fading (DESIGN section 5), and averaged over the pixel's footprint around.
+
+#include "common_lobes.glsl"
+
+struct MapInfo {
+  uint first_texel;  // of row 0
+  uint width;        // texels around
+  uint first_drift;  // of the layer's first track
+  uint sectors;      // around
+  vec4 colour;       // of the cluster; a = 0: the material's
+};
+
+layout(std430, binding = 0) readonly buffer Texels { uint texels[]; };       // [light][texel], see satf/maps.h
+layout(std430, binding = 1) readonly buffer Maps { MapInfo maps[]; };        // [instance * layers + layer]
+layout(std430, binding = 2) readonly buffer Drift { float drift[]; };        // [sector] change of s to the next plate
+
+const int kMaxLights = 4;
+uniform int light_count;
+uniform vec3 to_light[kMaxLights];    // unit
+uniform vec3 light_colour[kMaxLights];
+uniform uint texels_per_light;
+uniform int rows;                     // plates + 1
+uniform int samples;                  // of a record along s
+uniform bool use_drift;
+uniform vec3 eye;
+uniform HairMaterial material;
+uniform vec3 ambient;                 // unshadowed, times the diffuse colour [Bertails2005 section 3.3]
+
+in vec3 world;
+in vec3 world_tangent;
+in vec3 world_normal;
+in vec2 at;
+flat in uint map_of;
+
+#ifdef PELAGE_PER_PIXEL_LISTS
+layout(early_fragment_tests) in;
+struct Fragment { uint rg, ba; float depth; uint next; };
+layout(std430, binding = 3) buffer Fragments { uint fragment_count; uint pad0, pad1, pad2; Fragment fragments[]; };
+layout(std430, binding = 4) buffer Heads { uint heads[]; };
+uniform uint fragment_capacity;
+uniform uint heads_width;
+#else
+layout(location = 0) out vec4 colour;
+#endif
+
+/// Premultiplied: (alpha, alpha * re, alpha * transmittance * re) of one texel.
+vec3 texel(MapInfo map, uint light, int row, int x) {
+  int width = int(map.width);
+  x = x % width;
+  if (x < 0) x += width;
+  uint t = texels[light * texels_per_light + map.first_texel + uint(row) * map.width + uint(x)];
+  float alpha = float(t & 1023u) / 1023.0;
+  float re = float((t >> 10) & 4095u) * (8.0 / 4095.0);
+  float transmittance = float(t >> 22) / 1023.0;
+  return vec3(alpha, alpha * re, alpha * re * transmittance);
+}
+
+/// Mean over [x - footprint / 2, x + footprint / 2] of a row that is linear between texel centres.
+vec3 row_mean(MapInfo map, uint light, int row, float x, float footprint) {
+  int taps = clamp(int(ceil(footprint)), 1, 16);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < taps; ++i) {
+    float p = x - 0.5 + footprint * ((float(i) + 0.5) / float(taps) - 0.5);
+    float base = floor(p);
+    sum += mix(texel(map, light, row, int(base)), texel(map, light, row, int(base) + 1), p - base);
+  }
+  return sum / float(taps);
+}
+
+/// Mean drift of the HSV at this azimuth, in texels.
+float drift_at(MapInfo map, int row) {
+  float k = at.x / float(map.width) * float(map.sectors) - 0.5;
+  int n = int(map.sectors);
+  int k0 = (int(floor(k)) + n) % n, k1 = (k0 + 1) % n;
+  float d0 = drift[map.first_drift + uint(k0 * rows + row)];
+  float d1 = drift[map.first_drift + uint(k1 * rows + row)];
+  return mix(d0, d1, fract(k)) * float(samples);
+}
+
+void main() {
+  MapInfo map = maps[map_of];
+  int row = clamp(int(floor(at.y)), 0, rows - 2);
+  float along = clamp(at.y - float(row), 0.0, 1.0);
+  float footprint = clamp(fwidth(at.x), 0.0, 16.0);
+  float moved = use_drift ? drift_at(map, row) : 0.0;
+
+  vec3 t = normalize(world_tangent);
+  vec3 n = normalize(world_normal);
+  vec3 v = normalize(eye - world);
+  HairMaterial m = material;
+  if (map.colour.a > 0.0) {
+    m.diffuse.rgb = map.colour.rgb;
+    m.secondary.rgb = map.colour.rgb;
+  }
+
+  float alpha = 0.0;
+  vec3 premultiplied = vec3(0.0);
+  for (int i = 0; i < light_count; ++i) {
+    vec3 here = row_mean(map, uint(i), row, at.x - moved * along, footprint);
+    vec3 next = row_mean(map, uint(i), row + 1, at.x + moved * (1.0 - along), footprint);
+    vec3 mean = mix(here, next, along);
+    alpha = mean.x;
+    premultiplied += mean.z * hair_lighting(m, t, n, to_light[i], v) * light_colour[i];
+  }
+  premultiplied += alpha * ambient * m.diffuse.rgb;
+  if (alpha < 1.0 / 2048.0) discard;
+
+#ifdef PELAGE_PER_PIXEL_LISTS
+  uint slot = atomicAdd(fragment_count, 1u);
+  if (slot < fragment_capacity) {
+    uint pixel = uint(gl_FragCoord.y) * heads_width + uint(gl_FragCoord.x);
+    uint next_slot = atomicExchange(heads[pixel], slot);
+    fragments[slot] = Fragment(packHalf2x16(premultiplied.rg), packHalf2x16(vec2(premultiplied.b, alpha)),
+                               gl_FragCoord.z, next_slot);
+  }
+#else
+  colour = vec4(premultiplied, alpha);
+#endif
+}

@@ -1,0 +1,3 @@
+#version 430 core
+// One triangle that covers the screen.
+void main() { gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0); }
