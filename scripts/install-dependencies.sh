@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Installs what scripts/packages.txt lists (Debian 12). Safe to run again: when all is there it only looks.
+# Usage: scripts/install-dependencies.sh [--list]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+mapfile -t packages < <(sed 's/#.*//' packages.txt | tr -s ' \t' '\n' | sed '/^$/d')
+if [[ "${1:-}" == --list ]]; then
+  printf '%s\n' "${packages[@]}"
+  exit 0
+fi
+
+if ! command -v dpkg-query > /dev/null; then
+  echo "install-dependencies: this is not Debian; install the counterparts of scripts/packages.txt by hand" >&2
+  exit 1
+fi
+
+installed=$(dpkg-query -W -f '${binary:Package} ${db:Status-Status}\n' "${packages[@]}" 2> /dev/null |
+  sed -n 's/^\([^ :]*\).* installed$/\1/p' || true)
+missing=()
+for package in "${packages[@]}"; do
+  grep -qx -- "$package" <<< "$installed" || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "install-dependencies: all ${#packages[@]} packages are there"
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo > /dev/null; then
+    echo "install-dependencies: run as root, or install sudo; missing: ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "install-dependencies: installing ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -q
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,37 @@
+# Installs the build tree into a temporary prefix, then configures, builds and runs a consumer against it.
+set(root ${BUILD}/tests/packaging/installed)
+file(REMOVE_RECURSE ${root})
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    list(JOIN ARGV " " command)
+    message(FATAL_ERROR "${command}\nended with ${result}:\n${output}")
+  endif()
+endfunction()
+
+set(flags "")
+if(SANITIZE)
+  set(flags "-fsanitize=${SANITIZE}")
+endif()
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${root}/prefix)
+run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${root}/consumer -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${CXX}
+    -DCMAKE_PREFIX_PATH=${root}/prefix -DCMAKE_CXX_FLAGS=${flags})
+run(${CMAKE_COMMAND} --build ${root}/consumer)
+run(${root}/consumer/consumer ${root}/prefix/share/pelage/examples/three_locks.hairstyle.json)
+run(${root}/consumer/engine)
+foreach(program pelage pelage-bake)
+  if(EXISTS ${root}/prefix/bin/${program})
+    run(${root}/prefix/bin/${program} --version)
+  endif()
+endforeach()
+
+# Nothing installed may point back into the source or build tree.
+file(GLOB scripts ${root}/prefix/lib*/cmake/Pelage/*.cmake ${root}/prefix/lib*/*/cmake/Pelage/*.cmake)
+foreach(script IN LISTS scripts)
+  file(STRINGS ${script} lines REGEX "${SOURCE}/")
+  if(lines)
+    message(FATAL_ERROR "${script} names the source tree: ${lines}")
+  endif()
+endforeach()
+file(REMOVE_RECURSE ${root})
