@@ -11,8 +11,8 @@
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/numeric.h"
 
-// Wider vectors where the CPU has them; without contraction and without reductions over lanes every clone gives the same
-// bits. Sanitizers instrument the resolvers, which run before their own set-up, so they get one version.
+// Wider vectors where the CPU has them; without contraction and without reductions over lanes every clone gives the
+// same bits. Sanitizers instrument the resolvers, which run before their own set-up, so they get one version.
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
 #define PELAGE_SIMD __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
@@ -22,13 +22,14 @@
 namespace pelage {
 namespace {
 
-constexpr int kMaxRays = 256;   // upper bound of BakeSettings::samples
-constexpr int kLightBlock = 16; // light arrays are padded to whole blocks
-/// Weight below which a step is not shaded: 256 of them change straight reflectance by < 3e-4 where nothing else is seen.
+constexpr int kMaxRays = 256;    // upper bound of BakeSettings::samples
+constexpr int kLightBlock = 16;  // light arrays are padded to whole blocks
+/// Weight below which a step is not shaded: 256 of them change straight reflectance by < 3e-4 where nothing else is
+/// seen.
 constexpr float kNegligibleWeight = 1e-11F;
 
 using Float4 = float __attribute__((vector_size(16)));
-using PerRay = std::array<float, kMaxRays>;
+using PerRay = std::array<float, kMaxRays + 16>;
 
 /// Rays that march together, structure of arrays. Positions in cells: column c0 + k dc, row r0 + k dr at step k.
 struct alignas(64) Rays {
@@ -49,11 +50,21 @@ struct Lobe {
   float early_stop;
 };
 
-/// 1 - exp(-x), x >= 0, relative error < 3e-6 also for small x (Taylor below 1/4: next term x^5 / 720).
+/// 1 - exp(-x), x >= 0, relative error < 1e-6 also for small x: with -x = k ln2 + y, |y| <= ln2 / 2, it is
+/// (1 - 2^k) - 2^k (e^y - 1), whose first term is exactly 0 for k = 0. Reduction and polynomial as in exp_neg.
 inline float opacity_of(float x) {
-  const float series = x * (1 - x * 0.5F * (1 - x * (1.0F / 3) * (1 - x * 0.25F * (1 - x * 0.2F))));
-  const float direct = 1 - exp_neg(x);
-  return x < 0.25F ? series : direct;
+  const float bounded = std::min(x, 87.0F);
+  const auto k = static_cast<std::int32_t>(-1.44269504F * bounded - 0.5F);
+  const auto kf = static_cast<float>(k);
+  const float y = (-bounded - kf * 0.693359375F) + kf * 2.12194440e-4F;
+  float p = 1.0F / 720.0F;
+  p = p * y + 1.0F / 120.0F;
+  p = p * y + 1.0F / 24.0F;
+  p = p * y + 1.0F / 6.0F;
+  p = p * y + 0.5F;
+  p = p * y + 1.0F;
+  const float two_k = std::bit_cast<float>((k + 127) << 23);
+  return (1 - two_k) - two_k * (p * y);
 }
 
 /// -ln x for x in (0, 1], error < 2e-7 (1 + |ln x|): mantissa in [sqrt(1/2), sqrt(2)), ln m = 2 atanh((m-1)/(m+1)).
@@ -121,14 +132,19 @@ PELAGE_SIMD void advance(const PlanarField::Node* __restrict at, const Lobe& lob
                          PerRay& __restrict weight, Shades& __restrict out) {
   constexpr float kTiny = 1e-30F;  // keeps 0/0 from being NaN; far below any gradient that counts
   const int count = rays.count;
+  PerRay step_opacity;
   for (int i = 0; i < count; ++i) {
-    const float rho = at[i].rho;
-    const float dtau = rays.scale[i] * rho;
+    const float dtau = rays.scale[i] * at[i].rho;
     rays.tau[i] += dtau;
-    const float opacity = rays.opacity[i];
-    const float w = opacity < lobe.early_stop ? (1 - opacity) * opacity_of(dtau) : 0.0F;
-    rays.opacity[i] = opacity + w;
-    const float gs = at[i].gradient_s, gr = at[i].gradient_r;
+    step_opacity[i] = opacity_of(dtau);
+  }
+  for (int i = 0; i < count; ++i) {
+    const float open = rays.opacity[i] < lobe.early_stop ? 1.0F : 0.0F;
+    weight[i] = open * ((1 - rays.opacity[i]) * step_opacity[i]);
+    rays.opacity[i] += weight[i];
+  }
+  for (int i = 0; i < count; ++i) {
+    const float rho = at[i].rho, gs = at[i].gradient_s, gr = at[i].gradient_r;
     const float g2 = gs * gs + gr * gr;
     const float share = g2 / (g2 + lobe.flat_sq * (rho * rho) + kTiny);
     const float inv = -1 / std::sqrt(g2 + kTiny);
@@ -137,9 +153,8 @@ PELAGE_SIMD void advance(const PlanarField::Node* __restrict at, const Lobe& lob
     const float mirror = 2 * std::min(0.0F, facing);
     const float ns = gs * inv - mirror * vs, nr = gr * inv - mirror * vr;
     const float twice = 2 * std::abs(facing);
-    const float shiny = w * share;
-    weight[i] = w;
-    out.isotropic[i] = w - shiny;
+    const float shiny = weight[i] * share;
+    out.isotropic[i] = weight[i] - shiny;
     out.specular[i] = shiny * lobe.specular;
     out.diffuse_s[i] = shiny * lobe.diffuse * ns;
     out.diffuse_r[i] = shiny * lobe.diffuse * nr;
@@ -219,7 +234,7 @@ PELAGE_SIMD void add_scaled(const float* __restrict in, float weight, float* __r
 }
 
 struct Ray {
-  float s;         // entry
+  float s;  // entry
   double view_rad;
 };
 
@@ -239,7 +254,7 @@ void start(Rays& rays, int count, const RayAt& ray_at, int size, const BakeSetti
     longest = std::max(longest, length[i]);
     rays.tau[i] = rays.opacity[i] = 0;
   }
-  rays.steps = static_cast<int>(std::ceil(longest * 2 * size - 1e-6));
+  rays.steps = static_cast<int>(std::ceil(longest * 2 * size - kStepSlack));
   const auto n = static_cast<float>(size);
   // Whole turns that keep columns positive on the way.
   const float turns = std::ceil(static_cast<float>(longest)) + 1;
@@ -323,7 +338,8 @@ PlanarTracer::PlanarTracer(const BakeSettings& settings) : settings_(settings) {
     }
   // Taps below 1e-7 of the sum are below float's rounding.
   for (int d = 0; d < settings.samples; ++d)
-    if (const double w = kernel[static_cast<std::size_t>(d)] / total; w > 1e-7) taps_.push_back({d, static_cast<float>(w)});
+    if (const double w = kernel[static_cast<std::size_t>(d)] / total; w > 1e-7)
+      taps_.push_back({d, static_cast<float>(w)});
 }
 
 float PlanarTracer::straight(float premultiplied, float opacity) const noexcept {
@@ -405,7 +421,10 @@ void PlanarTracer::trace_rays(const PlanarField& field, const SatfAngles& angles
   const auto at_s = [&](int i) { return (static_cast<float>(i) + 0.5F) / static_cast<float>(samples); };
   const auto lerp = [](float a, float b, float t) { return static_cast<double>(a + (b - a) * t); };
   start(
-      rays, samples, [&](int i) { return Ray{at_s(i), lerp(angles.view_first, angles.view_last, at_s(i))}; },
+      rays, samples,
+      [&](int i) {
+        return Ray{at_s(i), lerp(angles.view_first, angles.view_last, at_s(i))};
+      },
       field.size(), settings_);
   for (int i = 0; i < samples && !re.empty(); ++i) {
     const double angle = lerp(angles.light_first, angles.light_last, at_s(i));

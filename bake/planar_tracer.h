@@ -1,8 +1,8 @@
 // Planar ray trace of one sector, the fast way: the model of bake/planar_reference.h in float32. The weights of a ray's
-// steps do not depend on the light, so each (view, ray) is marched once and all lights are shaded with SIMD; density and
-// gradient are prepared once per sector and sampled together; the view is reflected once per step.
-// Agrees with the reference to 1e-3 (measured: tests/bake). The same bits on every CPU: no contraction, no reduction
-// over SIMD lanes, own exponential and power.
+// steps do not depend on the light, so each (view, ray) is marched once and all lights are shaded with SIMD; density
+// and gradient are prepared once per sector and sampled together; the view is reflected once per step. Agrees with the
+// reference to 1e-3 (measured: tests/bake). The same bits on every CPU: no contraction, no reduction over SIMD lanes,
+// own exponential and power.
 #pragma once
 
 #include <span>
@@ -33,7 +33,8 @@ class PlanarField {
  private:
   int size_ = 0;
   bool empty_ = true;
-  std::vector<Node> nodes_;  // [size + 2][size + 1]: one extrapolated row below and above, first column again at the end
+  std::vector<Node>
+      nodes_;  // [size + 2][size + 1]: one extrapolated row below and above, first column again at the end
   std::vector<float> rows_;  // scratch: [size + 4][size] densities with two extrapolated rows on either side
 };
 
@@ -60,10 +61,10 @@ class PlanarTracer {
   float straight(float premultiplied, float opacity) const noexcept;
 
   BakeSettings settings_;
-  std::vector<Tap> taps_;             // periodic Gaussian along s, sum 1
+  std::vector<Tap> taps_;                 // periodic Gaussian along s, sum 1
   std::vector<float> light_s_, light_r_;  // [lights padded] unit vectors towards the lights
-  float diffuse_ = 0, specular_ = 0;  // divided by mean_phong
-  int squarings_ = -1;                // exponent 2^n, or -1: any other
+  float diffuse_ = 0, specular_ = 0;      // divided by mean_phong
+  int squarings_ = -1;                    // exponent 2^n, or -1: any other
 };
 
 }  // namespace pelage

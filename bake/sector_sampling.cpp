@@ -95,7 +95,7 @@ void add(glm::dvec2 p, std::vector<glm::vec2>& out) {
   }
 }
 
-constexpr std::size_t kMaxRows = 65536;
+constexpr std::size_t kMaxRows = 32768;
 constexpr int kLloydSteps = 4;
 
 /// Rows in [dimension][row] order, so that distances to one centre vectorise over rows.
@@ -123,7 +123,7 @@ Rows pick_rows(std::span<const float> features, std::size_t dimension) {
 }
 
 struct Nearest {
-  std::vector<float> distance_sq;    // [row] to the nearest centre so far
+  std::vector<float> distance_sq;     // [row] to the nearest centre so far
   std::vector<std::uint32_t> centre;  // [row]
 };
 
