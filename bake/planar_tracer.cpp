@@ -23,6 +23,7 @@ namespace pelage {
 namespace {
 
 constexpr int kMaxRays = 256;    // upper bound of BakeSettings::samples
+constexpr int kBatch = 8;        // steps sampled at once
 constexpr int kLightBlock = 16;  // light arrays are padded to whole blocks
 /// Weight below which a step is not shaded: 256 of them change straight reflectance by < 3e-4 where nothing else is
 /// seen.
@@ -233,6 +234,18 @@ PELAGE_SIMD void add_scaled(const float* __restrict in, float weight, float* __r
   for (int j = 0; j < width; ++j) out[j] += weight * in[j];
 }
 
+/// Calls `visit` with the samples of each step of all rays. Steps are sampled in batches: reading a sample right after
+/// it was written, in wider pieces, would wait for the store.
+template <class Visit>
+void march(const PlanarField& field, const Rays& rays, PlanarField::Node* at, const Visit& visit) {
+  for (int first = 0; first < rays.steps; first += kBatch) {
+    const int last = std::min(rays.steps, first + kBatch);
+    for (int k = first; k < last; ++k)
+      sample_step(field.nodes(), field.size(), rays, static_cast<float>(k), at + (k - first) * rays.count);
+    for (int k = first; k < last; ++k) visit(at + (k - first) * rays.count);
+  }
+}
+
 struct Ray {
   float s;  // entry
   double view_rad;
@@ -374,18 +387,17 @@ HrirRecord PlanarTracer::trace_record(const DensityGrid& grid) const {
   Rays rays;
   Shades shades;
   PerRay weight, opacity;
-  std::array<PlanarField::Node, kMaxRays> at;
+  std::array<PlanarField::Node, kBatch * kMaxRays> at;
 
   for (int v = 0; v < settings_.views; ++v) {
     const double angle = 2 * std::numbers::pi * v / settings_.views;
     const auto ray_at = [&](int i) { return Ray{(static_cast<float>(i) + 0.5F) / static_cast<float>(samples), angle}; };
     start(rays, samples, ray_at, field.size(), settings_);
     std::fill(sum.begin(), sum.end(), 0.0F);
-    for (int k = 0; k < rays.steps; ++k) {
-      sample_step(field.nodes(), field.size(), rays, static_cast<float>(k), at.data());
-      advance(at.data(), lobe, rays, weight, shades);
+    march(field, rays, at.data(), [&](const PlanarField::Node* step) {
+      advance(step, lobe, rays, weight, shades);
       shade_all(lights, squarings_, weight, shades, samples, sum.data());
-    }
+    });
     smooth({rays.tau.data(), count}, {record.tau.data() + static_cast<std::size_t>(v) * count, count});
     smooth({rays.opacity.data(), count}, {opacity.data(), count});
     std::fill(smoothed.begin(), smoothed.end(), 0.0F);
@@ -417,7 +429,7 @@ void PlanarTracer::trace_rays(const PlanarField& field, const SatfAngles& angles
   Rays rays;
   Shades shades;
   PerRay weight, light_s, light_r, sum, smoothed, opacity;
-  std::array<PlanarField::Node, kMaxRays> at;
+  std::array<PlanarField::Node, kBatch * kMaxRays> at;
   const auto at_s = [&](int i) { return (static_cast<float>(i) + 0.5F) / static_cast<float>(samples); };
   const auto lerp = [](float a, float b, float t) { return static_cast<double>(a + (b - a) * t); };
   start(
@@ -432,15 +444,11 @@ void PlanarTracer::trace_rays(const PlanarField& field, const SatfAngles& angles
     light_r[i] = static_cast<float>(std::cos(angle));
     sum[i] = 0;
   }
-  for (int k = 0; k < rays.steps; ++k) {
-    sample_step(field.nodes(), field.size(), rays, static_cast<float>(k), at.data());
-    if (re.empty()) {
-      advance_tau(at.data(), rays);
-      continue;
-    }
-    advance(at.data(), lobe, rays, weight, shades);
+  march(field, rays, at.data(), [&](const PlanarField::Node* step) {
+    if (re.empty()) return advance_tau(step, rays);
+    advance(step, lobe, rays, weight, shades);
     shade_own(light_s, light_r, squarings_, static_cast<float>(settings_.phong.exponent), shades, samples, sum);
-  }
+  });
   smooth({rays.tau.data(), count}, tau);
   if (re.empty()) return;
   smooth({rays.opacity.data(), count}, {opacity.data(), count});

@@ -16,6 +16,12 @@ constexpr int kMaxSize = 128;
 constexpr double kSupportSigmas = 6.5;
 constexpr double kMinSigmaCells = 0.6;
 
+constexpr std::array<double, 14> kReciprocal = [] {
+  std::array<double, 14> r{};
+  for (int n = 1; n < 14; ++n) r[static_cast<std::size_t>(n)] = 1.0 / n;
+  return r;
+}();
+
 /// exp(-x), x >= 0, to 1e-15; its own so that records are the same bits on every CPU (data_schema/numeric.h).
 /// Cody-Waite reduction to |y| <= ln2 / 2, Taylor polynomial of degree 13 (remainder 4e-18).
 double exp_neg(double x) {
@@ -23,7 +29,7 @@ double exp_neg(double x) {
   const double k = std::floor(x * 1.4426950408889634 + 0.5);
   const double y = (k * 6.93147180369123816490e-01 - x) + k * 1.90821492927058770002e-10;
   double p = 1;
-  for (int n = 13; n >= 1; --n) p = 1 + p * y / n;
+  for (int n = 13; n >= 1; --n) p = 1 + p * y * kReciprocal[static_cast<std::size_t>(n)];
   return p * std::bit_cast<double>(static_cast<std::uint64_t>(1023 - static_cast<std::int64_t>(k)) << 52);
 }
 
@@ -65,14 +71,15 @@ class GaussianSampler {
     const double half_inv_var = 0.5 / (sigma_ * sigma_);
     const double middle = peak_ * exp_neg(x * x * half_inv_var);
     out.values[static_cast<std::size_t>(nearest)] = middle;
-    walk(out, nearest, 1, middle, (2 * x + cell_) * cell_ * half_inv_var);
-    walk(out, nearest, -1, middle, (cell_ - 2 * x) * cell_ * half_inv_var);
+    // Ratio to the next cell up; down it is curvature / up. Its exponent stays below 6.5 cell / sigma < 11.
+    const double exponent = (cell_ + 2 * x) * cell_ * half_inv_var;
+    const double up = exponent >= 0 ? exp_neg(exponent) : 1 / exp_neg(-exponent);
+    walk(out, nearest, 1, middle, up);
+    walk(out, nearest, -1, middle, curvature_ / up);
   }
 
  private:
-  void walk(Profile& out, int from, int step, double value, double log_ratio) const {
-    // Away from the nearest cell the ratio never exceeds 1 but by rounding.
-    double ratio = exp_neg(std::max(0.0, log_ratio));
+  void walk(Profile& out, int from, int step, double value, double ratio) const {
     for (int i = from + step; i >= out.first && i < out.last; i += step) {
       value *= ratio;
       ratio *= curvature_;
