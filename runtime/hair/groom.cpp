@@ -42,6 +42,7 @@ struct Shape {
   float roundness = 0.0F;  // 0: waves in a plane, 1: helices
   float turn_in = 0.0F;    // of the tips, bob
   bool fringe = false;
+  bool waves_by_height = false;  // waves of neighbours lie side by side, instead of along each strand by itself
   float frizz_m = 0.0015F;
 };
 
@@ -57,18 +58,20 @@ Shape shape_of(GroomStyle style) {
            .parting_m = 0.022F,
            .volume_m = 0.018F,
            .hug = 0.15F,
-           .locks = 170,
-           .gather = 0.7F,
-           .wave_m = 0.0085F,
-           .wavelength_m = 0.062F,
-           .roundness = 0.45F,
+           .locks = 130,
+           .gather = 0.78F,
+           .wave_m = 0.0105F,
+           .wavelength_m = 0.068F,
+           .roundness = 0.3F,
+           .waves_by_height = true,
            .frizz_m = 0.002F};
       break;
     case GroomStyle::curly:
-      s = {.cut_m = -0.10F,
-           .cut_spread_m = 0.05F,
+      s = {.cut_m = -0.14F,
+           .cut_spread_m = 0.04F,
+           .max_length_m = 0.235F,
            .parting_m = 0.018F,
-           .lift = 0.8F,
+           .lift = 0.6F,
            .volume_m = 0.026F,
            .hug = 0.0F,
            .locks = 420,
@@ -81,7 +84,7 @@ Shape shape_of(GroomStyle style) {
     case GroomStyle::bob:
       s = {.cut_m = -0.076F,
            .cut_spread_m = 0.008F,
-           .sweep_back = 0.0F,
+           .sweep_back = -0.6F,
            .volume_m = 0.017F,
            .hug = 0.1F,
            .locks = 200,
@@ -168,7 +171,8 @@ class Groomer {
     strands.vertices.resize(std::size_t{vertices} * roots.size());
     for (std::uint32_t i = 1; i <= roots.size(); ++i) strands.offsets.push_back(i * vertices);
     tbb::parallel_for(std::uint32_t{0}, settings_.strands, [&](std::uint32_t i) {
-      const Path path = resample_polyline(strand(roots[i], i), static_cast<int>(vertices));
+      Path path = resample_polyline(strand(roots[i], i), static_cast<int>(vertices));
+      for (std::size_t k = 1; k < path.size(); ++k) path[k] = clear(path[k], 0.5F * kClearance_m);
       const float scale = settings_.head.height_m / kModelHead.height_m;
       for (std::uint32_t k = 0; k < vertices; ++k) strands.vertices[std::size_t{i} * vertices + k] = scale * path[k];
     });
@@ -183,16 +187,17 @@ class Groomer {
 
   void make_locks() {
     const std::vector<Root> roots = scalp_roots(kModelHead, field_, shape_.locks, settings_.seed ^ 0x9E3779B97F4A7C15U);
+    const float phase_range = shape_.waves_by_height ? 0.4F : 1.0F;
     for (std::uint32_t i = 0; i < roots.size(); ++i) {
       const std::array<float, 4> u = random_.uniform(kLockStream, i);
-      locks_.push_back({roots[i], {}, u[0], 0.85F + 0.3F * u[1], u[2]});
+      locks_.push_back({roots[i], {}, u[0] * phase_range, 1.0F + 0.3F * phase_range * (u[1] - 0.5F), u[2]});
       if (settings_.style != GroomStyle::ponytail) locks_.back().path = grow(plan(roots[i], 0.5F, 2 * u[3] - 1));
     }
     if (settings_.style == GroomStyle::ponytail) tail_ = grow_tail();
   }
 
   StrandPlan plan(const Root& root, float layer, float length) const {
-    const bool fringe = shape_.fringe && root.position_m.z > 0.040F && std::abs(root.position_m.x) < 0.054F;
+    const bool fringe = shape_.fringe && root.position_m.z > 0.030F && std::abs(root.position_m.x) < 0.057F;
     // Hair from higher up lies over hair from lower down.
     const float height = smooth_step(-0.05F, 0.115F, root.position_m.y);
     return {root, {(fringe ? 0.35F : 1.0F) * (0.45F * layer + 0.55F * height), length}, fringe};
@@ -202,13 +207,15 @@ class Groomer {
 
   Path grow(const StrandPlan& plan) const {
     const float cut_m =
-        plan.fringe ? 0.024F + 0.004F * plan.self.length : shape_.cut_m + shape_.cut_spread_m * plan.self.length;
+        plan.fringe ? 0.025F - 6.0F * plan.root.position_m.x * plan.root.position_m.x + 0.004F * plan.self.length
+                    : shape_.cut_m + shape_.cut_spread_m * plan.self.length;
     const vec3 comb = plan.fringe ? unit_or(without({6 * plan.root.position_m.x, 0, 1}, plan.root.normal), kDown)
                                   : comb_direction(shape_, plan.root);
     Path path{plan.root.position_m};
     vec3 direction = glm::normalize(comb + (plan.fringe ? 0.3F : shape_.lift) * plan.root.normal);
-    for (float s = 0; s < shape_.max_length_m; s += kStep_m) {
-      vec3 p = path.back();
+    const float most_m = shape_.max_length_m * (1.0F + 0.15F * plan.self.length);
+    for (float s = 0; s < most_m; s += kStep_m) {
+      const vec3 p = path.back();
       if (p.y < cut_m && path.size() > 8) break;
       direction = turn(plan, p, direction, comb, cut_m, s);
       path.push_back(push_out(p + kStep_m * direction, plan, s));
@@ -218,11 +225,12 @@ class Groomer {
 
   /// Distance from the scalp that a strand keeps at arc length s.
   float shell_m(const Individual& self, float s) const {
-    return kClearance_m * smooth_step(0.0F, 0.004F, s) + shape_.volume_m * self.layer * smooth_step(0.0F, 0.030F, s);
+    return kClearance_m * smooth_step(0.0F, 0.004F, s) +
+           shape_.volume_m * self.layer * smooth_step(0.0F, 0.015F + 1.2F * shape_.volume_m, s);
   }
 
   vec3 turn(const StrandPlan& plan, vec3 p, vec3 direction, vec3 comb, float cut_m, float s) const {
-    constexpr float kStiffness_m = 0.014F, kCombed_m = 0.085F, kReach_m = 0.012F;
+    constexpr float kStiffness_m = 0.014F, kCombed_m = 0.085F, kReach_m = 0.018F;
     const HeadField::Sample at = field_.sample(p);
     const vec3 normal = unit_or(at.gradient, {0, 1, 0});
     const float above_m = at.distance_m - shell_m(plan.self, s);
@@ -268,7 +276,7 @@ class Groomer {
     const auto distance = [&](const Lock& lock) {
       const bool same_side = (lock.root.position_m.x < shape_.parting_m) == (root.position_m.x < shape_.parting_m);
       const vec3 d = lock.root.position_m - root.position_m;
-      return glm::dot(d, d) + (same_side || root.position_m.y < 0.06F ? 0.0F : 1.0F);
+      return glm::dot(d, d) + (same_side || shape_.fringe || root.position_m.y < 0.06F ? 0.0F : 1.0F);
     };
     return *std::min_element(locks_.begin(), locks_.end(),
                              [&](const Lock& a, const Lock& b) { return distance(a) < distance(b); });
@@ -318,9 +326,10 @@ class Groomer {
       const vec3 out = unit_or(without(unit_or(radial, {0, 0, 1}) + vec3(0, 0.3F, 0), tangent), {0, 0, 1});
       const vec3 side = glm::cross(tangent, out);
       const float grown = smooth_step(0.010F, 0.080F, s) * (0.65F + 0.35F * s / length_m);
-      const float phase = s / wavelength_m + lock.phase + 0.07F * (w[0] - 0.5F);
+      const float travelled_m = shape_.waves_by_height ? 0.1F - centre[k].y : s;
+      const float phase = travelled_m / wavelength_m + lock.phase + 0.07F * (w[0] - 0.5F);
       const float flat = shape_.wave_m * grown * sin_turns(phase), round = shape_.wave_m * grown * cos_turns(phase);
-      const float tilt = 0.25F * lock.plane;
+      const float tilt = 0.06F + 0.12F * lock.plane;
       vec3 p = path[k] + flat * (cos_turns(tilt) * side + sin_turns(tilt) * out) +
                shape_.roundness * round * (cos_turns(tilt) * out - sin_turns(tilt) * side);
       const float stray = frizz_m * s / length_m;

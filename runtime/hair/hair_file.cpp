@@ -11,6 +11,7 @@
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/hair_reader.h"
+#include "pelage/hair/input_file.h"
 #include "pelage/hair/resample.h"
 
 namespace pelage::hair {
@@ -67,14 +68,6 @@ RawHair decode(std::span<const std::byte> bytes, const std::string& where) {
                    "neither HAIR (first bytes \"HAIR\") nor TFX 4 (first number 4.0): convert it to one of them");
 }
 
-glm::vec3 to_metres(glm::vec3 p, const ReadOptions& options) {
-  const auto scale = static_cast<float>(options.metres_per_unit);
-  p *= scale;
-  if (options.up == UpAxis::z) return {p.x, p.z, -p.y};
-  if (options.up == UpAxis::x) return {-p.y, p.x, p.z};
-  return p;
-}
-
 /// A vertex with its diameter: what a strand's repairs act on.
 using ThickPoints = std::vector<glm::vec4>;
 
@@ -103,10 +96,6 @@ std::size_t merge_repeated(ThickPoints& points) {
   const auto removed = static_cast<std::size_t>(points.end() - end);
   points.erase(end, points.end());
   return removed;
-}
-
-bool is_usable(glm::vec3 p) {
-  return std::abs(p.x) <= kMaxCoordinate_m && std::abs(p.y) <= kMaxCoordinate_m && std::abs(p.z) <= kMaxCoordinate_m;
 }
 
 bool is_thickness(float t) {
@@ -233,6 +222,25 @@ void settle_opacity(const RawHair& raw, ReadReport& report) {
   }
 }
 
+std::size_t count_issues(const std::vector<StrandIssue>& issues, bool dropped) {
+  return static_cast<std::size_t>(
+      std::count_if(issues.begin(), issues.end(), [&](const StrandIssue& s) { return s.dropped == dropped; }));
+}
+
+}  // namespace
+
+glm::vec3 to_metres(glm::vec3 p, const ReadOptions& options) noexcept {
+  const auto scale = static_cast<float>(options.metres_per_unit);
+  p *= scale;
+  if (options.up == UpAxis::z) return {p.x, p.z, -p.y};
+  if (options.up == UpAxis::x) return {-p.y, p.x, p.z};
+  return p;
+}
+
+bool is_usable(glm::vec3 p) noexcept {
+  return std::abs(p.x) <= kMaxCoordinate_m && std::abs(p.y) <= kMaxCoordinate_m && std::abs(p.z) <= kMaxCoordinate_m;
+}
+
 void check_options(const ReadOptions& options) {
   if (options.metres_per_unit > 0 && options.metres_per_unit <= 1e6) return;
   throw UsageError("unit of " + text(options.metres_per_unit) +
@@ -249,13 +257,6 @@ std::vector<std::byte> read_bytes(const fs::path& file) {
   if (!in) throw InputError(file.string(), "cannot be read: check its permissions");
   return bytes;
 }
-
-std::size_t count_issues(const std::vector<StrandIssue>& issues, bool dropped) {
-  return static_cast<std::size_t>(
-      std::count_if(issues.begin(), issues.end(), [&](const StrandIssue& s) { return s.dropped == dropped; }));
-}
-
-}  // namespace
 
 std::size_t ReadReport::dropped() const noexcept {
   return count_issues(issues, true);

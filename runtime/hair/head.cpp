@@ -61,8 +61,8 @@ float features(float d, vec3 p) {
 }
 
 float ear(vec3 p) {
-  const vec3 q = p - vec3(0.077F, -0.002F, -0.010F);
-  const vec3 t{q.x - 0.20F * (q.y - 0.3F * q.z) + 0.25F * q.z, q.y + 0.25F * q.z,
+  const vec3 q = p - vec3(0.0740F, -0.002F, -0.010F);
+  const vec3 t{q.x - 0.10F * (q.y - 0.3F * q.z) + 0.25F * q.z, q.y + 0.25F * q.z,
                q.z - 0.25F * q.y};  // leans back and out
   const float shell = ellipsoid(t, {0, 0, 0}, {0.0065F, 0.0275F, 0.0165F});
   return carve(shell, ellipsoid(t, {0.0075F, 0.004F, 0.002F}, {0.0055F, 0.019F, 0.0105F}), 0.004F);

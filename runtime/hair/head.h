@@ -13,7 +13,7 @@ namespace pelage::hair {
 
 struct HeadParameters {
   float height_m = 0.24F;       // crown to the cut of the neck, (0, 100]; everything scales with it
-  float mesh_cell_m = 0.0044F;  // edge length of the mesh's triangles, about, for a head of 0.24 m; scales too
+  float mesh_cell_m = 0.0045F;  // edge length of the mesh's triangles, about, for a head of 0.24 m; scales too
 };
 
 /// Signed distance [m], negative inside.

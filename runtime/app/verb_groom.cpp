@@ -1,0 +1,73 @@
+// pelage groom: procedural hair on the parametric head, as a HAIR file.
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pelage/app/verbs.h"
+#include "pelage/console/program.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/hair/groom.h"
+#include "pelage/hair/hair_file.h"
+#include "pelage/hair/mesh_obj.h"
+
+namespace pelage::app {
+namespace {
+
+struct Options {
+  std::string style = "wavy";
+  hair::GroomSettings settings;
+  std::filesystem::path output, head_output;
+};
+
+void print_result(const Strands& strands, const Options& options) {
+  if (console::common().json) {
+    const nlohmann::json result = {{"file", options.output.string()},
+                                   {"strands", strands.count()},
+                                   {"vertices", strands.vertices.size()},
+                                   {"style", options.style},
+                                   {"seed", options.settings.seed}};
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    fmt::print("{}\n", options.output.string());
+    if (!options.head_output.empty()) fmt::print("{}\n", options.head_output.string());
+  }
+}
+
+void run(Options& options) {
+  options.settings.style = hair::parse_groom_style(options.style);
+  check_writable(options.output);
+  if (!options.head_output.empty()) check_writable(options.head_output);
+  const Strands strands = hair::groom(options.settings);
+  console::throw_if_interrupted();
+  hair::write_hair(strands, options.output);
+  if (!options.head_output.empty()) {
+    hair::write_obj(hair::parametric_head(options.settings.head), options.head_output);
+  }
+  spdlog::info("{} strands, {} vertices, style {}, seed {}", strands.count(), strands.vertices.size(), options.style,
+               options.settings.seed);
+  print_result(strands, options);
+}
+
+}  // namespace
+
+void add_groom(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("groom", "Grow hair on a parametric head and write it as a HAIR file");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("--style", options->style, "straight, wavy, curly, bob or ponytail")->capture_default_str();
+  verb->add_option("--strands", options->settings.strands, "number of strands")->capture_default_str();
+  verb->add_option("--seed", options->settings.seed, "the same seed gives the same hair")->capture_default_str();
+  verb->add_option("--vertices", options->settings.vertices, "per strand; 0: 32, and 64 for curls")
+      ->capture_default_str();
+  verb->add_option("--length-scale", options->settings.length_scale, "longer or shorter hair, 0.2 to 3")
+      ->capture_default_str();
+  verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")->capture_default_str();
+  verb->add_option("-o,--output", options->output, "HAIR file to write")->required();
+  verb->add_option("--head-out", options->head_output, "also write the head, as OBJ");
+  console::add_common_options(*verb);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace pelage::app

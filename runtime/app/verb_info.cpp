@@ -1,0 +1,119 @@
+// pelage info: what a hair file or a hairstyle holds, and what looks implausible about it.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "pelage/app/verbs.h"
+#include "pelage/console/program.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/hairstyle.h"
+#include "pelage/hair/facts.h"
+#include "pelage/hair/hair_file.h"
+
+namespace pelage::app {
+namespace {
+
+struct Options {
+  std::filesystem::path input;
+  std::string unit = "m", up = "y", curve = "polyline";
+};
+
+bool is_database(const std::filesystem::path& file) {
+  std::string magic(15, '\0');
+  std::ifstream in(file, std::ios::binary);
+  return in.read(magic.data(), static_cast<std::streamsize>(magic.size())) && magic == "SQLite format 3";
+}
+
+void info_of_hair(const Options& options) {
+  hair::ReadOptions read;
+  read.metres_per_unit = hair::parse_unit(options.unit);
+  read.up = hair::parse_up_axis(options.up);
+  read.curve = hair::parse_curve(options.curve);
+  read.check_unit = false;  // an implausible unit is one of the things to show
+  hair::ReadReport report;
+  const Strands strands = hair::read_hair(options.input, read, &report);
+  const hair::HairFacts facts = hair::hair_facts(strands, report, read.metres_per_unit);
+  fmt::print("{}", console::common().json ? hair::to_json(facts) + "\n" : hair::to_text(facts));
+}
+
+struct StyleFacts {
+  std::size_t clusters, strands, instances, points, least = 0, most = 0;
+  float shortest_m = 0, longest_m = 0;
+};
+
+StyleFacts facts_of(const Hairstyle& style) {
+  StyleFacts f{style.clusters.size(), style.strand_count(), 0, 0};
+  std::vector<std::size_t> counts;
+  std::vector<float> lengths_m;
+  for (const Cluster& cluster : style.clusters) {
+    f.instances += std::max<std::size_t>(cluster.transforms.size(), 1);
+    f.points += cluster.strand_points.size();
+    counts.push_back(cluster.strand_count());
+    lengths_m.push_back(sweep(cluster, style.division.plates).length_m);
+  }
+  if (counts.empty()) return f;
+  f.least = *std::min_element(counts.begin(), counts.end());
+  f.most = *std::max_element(counts.begin(), counts.end());
+  f.shortest_m = *std::min_element(lengths_m.begin(), lengths_m.end());
+  f.longest_m = *std::max_element(lengths_m.begin(), lengths_m.end());
+  return f;
+}
+
+void info_of_hairstyle(const std::filesystem::path& file) {
+  const Hairstyle style = load_hairstyle(file);
+  const StyleFacts f = facts_of(style);
+  const Division& d = style.division;
+  if (console::common().json) {
+    const nlohmann::json json = {{"format", "hairstyle"},
+                                 {"name", style.name},
+                                 {"source", style.source},
+                                 {"clusters", f.clusters},
+                                 {"instances", f.instances},
+                                 {"strands", f.strands},
+                                 {"strands_per_cluster", {{"min", f.least}, {"max", f.most}}},
+                                 {"strand_points", f.points},
+                                 {"cluster_length_m", {{"min", f.shortest_m}, {"max", f.longest_m}}},
+                                 {"division", {{"layers", d.layers}, {"sectors", d.sectors}, {"plates", d.plates}}},
+                                 {"diameter_m", style.diameter_m},
+                                 {"opacity", style.opacity}};
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("format              hairstyle \"{}\"{}\n", style.name,
+             style.source.empty() ? "" : ", from " + style.source);
+  fmt::print("clusters            {}, {} instances, {:.1f} to {:.1f} mm long\n", f.clusters, f.instances,
+             1e3 * static_cast<double>(f.shortest_m), 1e3 * static_cast<double>(f.longest_m));
+  fmt::print("strands             {} of {} points, {} to {} per cluster\n", f.strands, f.points, f.least, f.most);
+  fmt::print("division            {} layers, {} sectors, {} plates\n", d.layers, d.sectors, d.plates);
+  fmt::print("diameter, opacity   {:.4g} um, {:.3g}\n", 1e6 * static_cast<double>(style.diameter_m), style.opacity);
+}
+
+void run(const Options& options) {
+  if (is_database(options.input)) {
+    throw InputError(options.input.string(), "is a database: `pelage-bake info` shows what it holds");
+  }
+  if (options.input.extension() == ".json") return info_of_hairstyle(options.input);
+  info_of_hair(options);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("info", "Show what a hair file or a hairstyle holds, and what looks implausible");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("file", options->input, "HAIR or TFX 4 file, or a hairstyle (.json)")->required();
+  verb->add_option("--unit", options->unit, "of the hair file: m, cm, mm, in, or metres per unit")
+      ->capture_default_str();
+  verb->add_option("--up", options->up, "axis of the hair file that points up: x, y or z")->capture_default_str();
+  verb->add_option("--curve", options->curve, "what its vertices are: polyline or bspline")->capture_default_str();
+  console::add_common_options(*verb);
+  verb->callback([options] { run(*options); });
+}
+
+}  // namespace pelage::app

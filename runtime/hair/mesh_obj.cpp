@@ -1,0 +1,145 @@
+#include "pelage/hair/mesh_obj.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/hair/input_file.h"
+
+namespace pelage::hair {
+namespace {
+
+/// Takes words off the front of a line.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) {}
+
+  std::string_view next() {
+    const std::size_t begin = rest_.find_first_not_of(" \t\r");
+    if (begin == std::string_view::npos) return rest_ = {};
+    const std::size_t end = std::min(rest_.find_first_of(" \t\r", begin), rest_.size());
+    const std::string_view word = rest_.substr(begin, end - begin);
+    rest_.remove_prefix(end);
+    return word;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+class ObjParser {
+ public:
+  ObjParser(const std::string& where, const ReadOptions& options) : where_(where), options_(options) {}
+
+  Mesh run(std::string_view text) {
+    while (!text.empty()) {
+      ++line_;
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      parse_line(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    if (mesh_.triangles.empty()) throw InputError(where_, "no polygon in it: give an OBJ mesh with v and f lines");
+    compute_normals(mesh_);
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InputError(where_, "line " + std::to_string(line_) + ": " + what + ": export the mesh again");
+  }
+
+  void parse_line(std::string_view line) {
+    Words words(line);
+    const std::string_view keyword = words.next();
+    if (keyword == "v") parse_vertex(words);
+    if (keyword == "f") parse_polygon(words);
+  }
+
+  float number(std::string_view word) const {
+    if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+    float value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error == std::errc::result_out_of_range && std::abs(value) < 1) return 0.0F;  // underflow
+    if (error != std::errc{} || end != word.data() + word.size()) refuse("\"" + std::string(word) + "\" is no number");
+    return value;
+  }
+
+  void parse_vertex(Words& words) {
+    glm::vec3 p;
+    for (int k = 0; k < 3; ++k) p[k] = number(words.next());
+    p = to_metres(p, options_);
+    if (!is_usable(p)) refuse("a vertex that is not a finite position within 1000 km");
+    mesh_.vertices.push_back(p);
+  }
+
+  /// "7", "7/1", "7//3" or "-1": counted from 1, or backwards from the last vertex so far.
+  std::uint32_t vertex_index(std::string_view word) const {
+    const std::string_view text = word.substr(0, word.find('/'));
+    const auto count = static_cast<std::int64_t>(mesh_.vertices.size());
+    std::int64_t index = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
+    const bool good = error == std::errc{} && end == text.data() + text.size();
+    if (!good || index == 0 || index > count || index < -count) {
+      refuse("vertex index \"" + std::string(text) + "\" with " + std::to_string(count) + " vertices so far");
+    }
+    return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+  }
+
+  /// A fan around the first corner.
+  void parse_polygon(Words& words) {
+    std::vector<std::uint32_t> corners;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+      corners.push_back(vertex_index(word));
+    if (corners.size() < 3) refuse("a polygon of " + std::to_string(corners.size()) + " corners");
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      mesh_.triangles.emplace_back(corners[0], corners[k - 1], corners[k]);
+  }
+
+  const std::string& where_;
+  const ReadOptions& options_;
+  std::size_t line_ = 0;
+  Mesh mesh_;
+};
+
+void append_vector(std::string& out, const char* keyword, glm::vec3 v) {
+  char line[80];
+  std::snprintf(line, sizeof line, "%s %.9g %.9g %.9g\n", keyword, static_cast<double>(v.x), static_cast<double>(v.y),
+                static_cast<double>(v.z));
+  out += line;
+}
+
+}  // namespace
+
+Mesh parse_obj(std::string_view text, const std::string& where, const ReadOptions& options) {
+  check_options(options);
+  return ObjParser(where, options).run(text);
+}
+
+Mesh read_obj(const std::filesystem::path& file, const ReadOptions& options) {
+  const std::vector<std::byte> bytes = read_bytes(file);
+  return parse_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string(), options);
+}
+
+void write_obj(const Mesh& mesh, const std::filesystem::path& file) {
+  std::string text = "# Pelage: metres, Y up\n";
+  for (const glm::vec3& v : mesh.vertices) append_vector(text, "v", v);
+  for (const glm::vec3& n : mesh.normals) append_vector(text, "vn", n);
+  for (const glm::uvec3& t : mesh.triangles) {
+    text += "f";
+    for (int k = 0; k < 3; ++k) {
+      const std::string index = std::to_string(t[k] + 1);
+      text += mesh.normals.empty() ? " " + index : " " + index + "//" + index;
+    }
+    text += "\n";
+  }
+  AtomicFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+}  // namespace pelage::hair
