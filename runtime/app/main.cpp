@@ -2,7 +2,8 @@
 #include "pelage/console/program.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Pelage renders hair from a precomputed appearance database, and shows what accuracy costs in time.", "pelage"};
+  CLI::App app{"Pelage renders hair from a precomputed appearance database, and shows what accuracy costs in time.",
+               "pelage"};
   app.require_subcommand(1);
 #ifdef HAVE_groom
   pelage::app::add_groom(app);

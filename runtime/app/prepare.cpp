@@ -1,15 +1,22 @@
 #include "pelage/app/prepare.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 
+#include "pelage/bake/bake_pipeline.h"
 #include "pelage/bake/direct_source.h"
+#include "pelage/console/program.h"
+#include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/db/database.h"
+#include "pelage/db/database_source.h"
 #include "pelage/hair/cluster_fit.h"
 #include "pelage/hair/hair_file.h"
-#include "pelage/hair/head.h"
+#include "pelage/hair/mesh_obj.h"
 
 namespace pelage::app {
 
@@ -26,14 +33,42 @@ std::filesystem::path cache_folder() {
 
 namespace {
 
-Hairstyle fit_hairstyle(const Scene& scene) {
+std::string file_bytes(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file.string(), "cannot be read");
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// 16 hex digits of what a cached file depends on; the program's revision too, since it decides what is computed.
+std::string cache_key(const std::string& text) {
+  Checksum sum;
+  sum.add(text.data(), text.size());
+  const std::string revision = program_revision();
+  sum.add(revision.data(), revision.size());
+  return fmt::format("{:016x}", sum.value());
+}
+
+std::filesystem::path cached(const std::string& name) {
+  std::error_code error;
+  std::filesystem::create_directories(cache_folder(), error);
+  if (error)
+    throw OutputError(cache_folder().string(), error.message() + "; set PELAGE_CACHE to a folder that can be written");
+  return cache_folder() / name;
+}
+
+hair::ReadOptions read_options(const Scene& scene) {
   hair::ReadOptions read;
   read.metres_per_unit = hair::parse_unit(scene.unit);
   read.up = hair::parse_up_axis(scene.up);
+  return read;
+}
+
+Hairstyle fit_hairstyle(const Scene& scene) {
   hair::ReadReport report;
-  const Strands strands = hair::read_hair(scene.hair, read, &report);
+  const Strands strands = hair::read_hair(scene.hair, read_options(scene), &report);
   for (const hair::StrandIssue& issue : report.issues) {
-    spdlog::debug("{}: strand {} {}: {}", scene.hair, issue.strand, issue.dropped ? "dropped" : "repaired", issue.reason);
+    spdlog::debug("{}: strand {} {}: {}", scene.hair, issue.strand, issue.dropped ? "dropped" : "repaired",
+                  issue.reason);
   }
   hair::FitSettings fit;
   fit.clusters = scene.clusters;
@@ -41,13 +76,13 @@ Hairstyle fit_hairstyle(const Scene& scene) {
   Hairstyle style;
   style.name = std::filesystem::path(scene.hair).stem().string();
   style.source = std::filesystem::path(scene.hair).filename().string();
-  style.division = scene.division;
   style.diameter_m = hair::drawn_diameter_m(strands);
   style.opacity = report.opacity.value_or(kDefaultOpacity);
   style.clusters = std::move(fitted.clusters);
-  spdlog::info("{}: {} strands in {} clusters, {:.1f} % of their length inside, RMS {:.2f} mm; D {:.0f} um, opacity {:.2f}",
-               style.source, fitted.report.strands, style.clusters.size(), 100 * fitted.report.inside,
-               1e3 * fitted.report.rms_m, 1e6 * static_cast<double>(style.diameter_m), style.opacity);
+  spdlog::info(
+      "{}: {} strands in {} clusters, {:.1f} % of their length inside, RMS {:.2f} mm; D {:.0f} um, opacity {:.2f}",
+      style.source, fitted.report.strands, style.clusters.size(), 100 * fitted.report.inside, 1e3 * fitted.report.rms_m,
+      1e6 * static_cast<double>(style.diameter_m), style.opacity);
   return style;
 }
 
@@ -55,18 +90,59 @@ Hairstyle fit_hairstyle(const Scene& scene) {
 
 Hairstyle prepare_hairstyle(const Scene& scene) {
   if (std::filesystem::path(scene.hair).extension() == ".json") return load_hairstyle(scene.hair);
-  return fit_hairstyle(scene);
+  const std::string parts = file_bytes(scene.hair) + "\n" + scene.unit + scene.up + std::to_string(scene.clusters);
+  const std::filesystem::path file = cached("fit-" + cache_key(parts) + ".json");
+  Hairstyle style;
+  if (std::filesystem::exists(file)) {
+    spdlog::debug("{}: fitted before, {}", scene.hair, file.string());
+    style = load_hairstyle(file);
+  } else {
+    style = fit_hairstyle(scene);
+    save_hairstyle(style, file);
+  }
+  style.division = scene.division;
+  return style;
 }
 
 Mesh prepare_head(const Scene& scene) {
-  (void)scene;
-  return {};
+  return scene.head.empty() ? Mesh{} : hair::read_obj(scene.head, read_options(scene));
 }
 
+namespace {
+
+/// The cached database adapted to this hairstyle, baked now if there is none.
+std::filesystem::path adapted_database(const BakeSettings& settings, const Hairstyle& style) {
+  const std::filesystem::path file =
+      cached("adapted-" + cache_key(hairstyle_hash(style) + to_json(settings)) + ".hrir");
+  if (std::filesystem::exists(file)) return file;
+  console::Progress progress("baking for " + style.name, static_cast<std::uint64_t>(settings.sectors), "sectors");
+  const BakeResult result = bake_database(settings, &style, file, [&](std::uint64_t done, std::uint64_t) {
+    console::throw_if_interrupted();
+    progress.update(done);
+  });
+  spdlog::info("{}: {} records baked in {:.1f} s, {}", style.name, result.records, result.seconds, file.string());
+  return file;
+}
+
+}  // namespace
+
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake) {
-  (void)style;
   bake = scene.bake;
-  return std::make_unique<DirectSource>(bake);
+  if (scene.satf.records == RecordsFrom::direct) return std::make_unique<DirectSource>(bake);
+  const LookupSettings lookup{scene.satf.neighbours};
+  if (!scene.database.empty()) {
+    auto source = std::make_unique<DatabaseSource>(scene.database, lookup);
+    bake = source->bank().metadata().settings;
+    return source;
+  }
+  const std::filesystem::path file = adapted_database(bake, style);
+  try {
+    return std::make_unique<DatabaseSource>(file, lookup);
+  } catch (const InputError& damaged) {
+    spdlog::warn("{}; it is baked again", damaged.what());
+    std::filesystem::remove(file);
+  }
+  return std::make_unique<DatabaseSource>(adapted_database(bake, style), lookup);
 }
 
 }  // namespace pelage::app

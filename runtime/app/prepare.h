@@ -1,5 +1,5 @@
-// From a scene to something that can be drawn: hairstyle (read, or fitted and cached), record source (database given, or
-// adapted one baked and cached, or direct tracing), head.
+// From a scene to something that can be drawn: hairstyle (read, or fitted and cached), record source (database given,
+// or adapted one baked and cached, or direct tracing), head.
 #pragma once
 
 #include <filesystem>

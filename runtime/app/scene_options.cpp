@@ -30,7 +30,8 @@ std::vector<float> numbers(const std::string& text, const std::string& option, s
   }
   if (values.size() < fewest || values.size() > most) {
     throw UsageError(option + ": '" + text + "' has " + std::to_string(values.size()) + " numbers; give " +
-                     std::to_string(fewest) + (most > fewest ? " to " + std::to_string(most) : "") + ", separated by commas");
+                     std::to_string(fewest) + (most > fewest ? " to " + std::to_string(most) : "") +
+                     ", separated by commas");
   }
   return values;
 }
@@ -55,7 +56,8 @@ Camera parse_camera(const std::string& text) {
   camera.target = {v[3], v[4], v[5]};
   if (v.size() == 7) camera.fov_deg = v[6];
   if (camera.eye == camera.target) throw UsageError("--camera: eye and target are the same point");
-  if (!(camera.fov_deg > 0 && camera.fov_deg < 170)) throw UsageError("--camera: the field of view must lie between 0 and 170 degrees");
+  if (!(camera.fov_deg > 0 && camera.fov_deg < 170))
+    throw UsageError("--camera: the field of view must lie between 0 and 170 degrees");
   return camera;
 }
 
@@ -64,7 +66,8 @@ Light parse_light(const std::string& text) {
   Light light;
   light.direction = {v[0], v[1], v[2]};
   if (v.size() == 4) light.intensity = v[3];
-  if (light.direction == glm::vec3(0.0F)) throw UsageError("--light: the direction is zero; give one towards the light, e.g. 0.4,0.7,0.6");
+  if (light.direction == glm::vec3(0.0F))
+    throw UsageError("--light: the direction is zero; give one towards the light, e.g. 0.4,0.7,0.6");
   if (light.intensity < 0) throw UsageError("--light: the intensity is negative");
   return light;
 }
@@ -92,11 +95,13 @@ T choose(const std::map<std::string, T>& known, const std::string& value, const 
 }
 
 void switch_off(SatfSettings& satf, const std::string& name) {
-  const std::map<std::string, bool SatfSettings::*> switches{
-      {"diffuse", &SatfSettings::diffuse},           {"primary", &SatfSettings::primary_highlight},
-      {"secondary", &SatfSettings::secondary_highlight}, {"global-shadow", &SatfSettings::global_shadow},
-      {"fade-ends", &SatfSettings::fade_ends},       {"drift", &SatfSettings::drift},
-      {"curvature", &SatfSettings::curvature}};
+  const std::map<std::string, bool SatfSettings::*> switches{{"diffuse", &SatfSettings::diffuse},
+                                                             {"primary", &SatfSettings::primary_highlight},
+                                                             {"secondary", &SatfSettings::secondary_highlight},
+                                                             {"global-shadow", &SatfSettings::global_shadow},
+                                                             {"fade-ends", &SatfSettings::fade_ends},
+                                                             {"drift", &SatfSettings::drift},
+                                                             {"curvature", &SatfSettings::curvature}};
   satf.*choose(switches, name, "--off") = false;
 }
 
@@ -111,20 +116,24 @@ bool is_scene_file(const std::filesystem::path& file) {
 
 void check_input(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) throw InputError(file.string(), "no such file");
-  if (std::filesystem::is_directory(file)) throw InputError(file.string(), "is a folder; give a scene, hairstyle or hair file");
+  if (std::filesystem::is_directory(file))
+    throw InputError(file.string(), "is a folder; give a scene, hairstyle or hair file");
 }
 
 }  // namespace
 
 std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   auto o = std::make_shared<SceneOptions>();
-  verb.add_option("input", o->input, "Scene file (.json), hairstyle file (.json) or hair file (.hair, .tfx)")->required();
+  verb.add_option("input", o->input, "Scene file (.json), hairstyle file (.json) or hair file (.hair, .tfx)")
+      ->required();
   verb.add_option("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
   verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");
   verb.add_option("--up", o->up, "Axis that points up in hair and head: x, y, z [y]");
   verb.add_option("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
-  verb.add_option("--camera", o->camera, "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
-  verb.add_option("--light", o->lights, "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
+  verb.add_option("--camera", o->camera,
+                  "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
+  verb.add_option("--light", o->lights,
+                  "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
   verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")->capture_default_str();
   verb.add_option("--background", o->background, "transparent, or a colour like #d8dce0 [#ededed]");
   verb.add_option("--size", o->size, "Pixels, WIDTHxHEIGHT [1280x720]");
@@ -139,7 +148,8 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]");
   verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
   verb.add_option("--order", o->order, "Drawing order: patches, clusters, exact (per pixel) [patches]");
-  verb.add_option("--off", o->off, "Effects to leave out: diffuse, primary, secondary, global-shadow, fade-ends, drift, curvature")
+  verb.add_option("--off", o->off,
+                  "Effects to leave out: diffuse, primary, secondary, global-shadow, fade-ends, drift, curvature")
       ->delimiter(',');
   return o;
 }
@@ -158,7 +168,8 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--unit")) scene.unit = o.unit;
   if (given("--up")) scene.up = o.up;
   if (given("--material")) {
-    scene.material = std::filesystem::path(o.material).extension() == ".json" ? load_material(o.material) : material_preset(o.material);
+    scene.material = std::filesystem::path(o.material).extension() == ".json" ? load_material(o.material)
+                                                                              : material_preset(o.material);
   }
   if (given("--camera")) scene.camera = parse_camera(o.camera);
   if (given("--light")) {
@@ -167,12 +178,14 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   }
   if (given("--exposure")) scene.image.exposure = o.exposure;
   if (given("--background")) {
-    scene.image.background = o.background == "transparent" ? std::nullopt : std::optional<glm::vec3>(srgb_colour(o.background));
+    scene.image.background =
+        o.background == "transparent" ? std::nullopt : std::optional<glm::vec3>(srgb_colour(o.background));
   }
   if (given("--size")) parse_size(o.size, scene.image);
   if (given("--supersampling")) scene.image.supersampling = o.supersampling;
   if (given("--records")) {
-    scene.satf.records = choose<RecordsFrom>({{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}}, o.records, "--records");
+    scene.satf.records = choose<RecordsFrom>({{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}},
+                                             o.records, "--records");
   }
   if (given("--neighbours")) scene.satf.neighbours = o.neighbours;
   if (given("--bake-sectors")) scene.bake.sectors = o.bake_sectors;
@@ -181,12 +194,14 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--sectors")) scene.division.sectors = o.sectors;
   if (given("--plates")) scene.division.plates = o.plates;
   if (given("--self-shadow")) {
-    scene.satf.self_shadow = choose<SelfShadow>(
-        {{"light", SelfShadow::light}, {"paper", SelfShadow::paper}, {"none", SelfShadow::none}}, o.self_shadow, "--self-shadow");
+    scene.satf.self_shadow =
+        choose<SelfShadow>({{"light", SelfShadow::light}, {"paper", SelfShadow::paper}, {"none", SelfShadow::none}},
+                           o.self_shadow, "--self-shadow");
   }
   if (given("--order")) {
     scene.satf.draw_order = choose<DrawOrder>(
-        {{"patches", DrawOrder::patches}, {"clusters", DrawOrder::clusters}, {"exact", DrawOrder::exact}}, o.order, "--order");
+        {{"patches", DrawOrder::patches}, {"clusters", DrawOrder::clusters}, {"exact", DrawOrder::exact}}, o.order,
+        "--order");
   }
   for (const std::string& name : o.off) switch_off(scene.satf, name);
   return scene;

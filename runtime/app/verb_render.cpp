@@ -57,9 +57,11 @@ void render(const CLI::App& verb, const RenderOptions& options) {
   SatfFrame frame(std::move(style), std::move(records), bake, prepare_head(scene));
   const ImageSettings& picture = scene.image;
   const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
-  const FrameSettings settings{scene.camera.value_or(framed_camera(frame.bounds(), aspect)), scene.lights, scene.material, scene.satf};
+  const FrameSettings settings{scene.camera.value_or(framed_camera(frame.bounds(), aspect)), scene.lights,
+                               scene.material, scene.satf};
   Image image = frame.render(settings, picture.width, picture.height, picture.supersampling);
-  if (const std::size_t bad = remove_non_finite(image); bad > 0) spdlog::warn("{} values of the picture were not finite", bad);
+  if (const std::size_t bad = remove_non_finite(image); bad > 0)
+    spdlog::warn("{} values of the picture were not finite", bad);
   expose(image, picture.exposure);
   compose_over(image, picture.background);
   write_image(image, out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
@@ -73,7 +75,9 @@ void add_render(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("render", "Render a picture of a scene, a hairstyle or a hair file");
   auto options = std::make_shared<RenderOptions>();
   options->scene = add_scene_options(*verb);
-  verb->add_option("-o,--out", options->out, "Picture to write: .png (8-bit sRGB) or .exr (linear, with the configuration)")->required();
+  verb->add_option("-o,--out", options->out,
+                   "Picture to write: .png (8-bit sRGB) or .exr (linear, with the configuration)")
+      ->required();
   verb->add_flag("--stats", options->stats, "Print time, bytes and calls of each stage");
   console::add_common_options(*verb);
   verb->callback([verb, options] { render(*verb, *options); });

@@ -13,10 +13,12 @@ struct Image {
   Image() = default;
   Image(int w, int h) : width(w), height(h), rgba(4U * static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
   float* pixel(int x, int y) noexcept {
-    return rgba.data() + 4U * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return rgba.data() +
+           4U * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
   }
   const float* pixel(int x, int y) const noexcept {
-    return rgba.data() + 4U * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    return rgba.data() +
+           4U * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
   }
 };
 

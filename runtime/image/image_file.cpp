@@ -47,14 +47,17 @@ Image read_image(const std::filesystem::path& file) {
   auto reader = OIIO::ImageInput::open(file.string());
   if (!reader) throw InputError(file.string(), OIIO::geterror());
   const OIIO::ImageSpec& spec = reader->spec();
-  if (spec.nchannels != 4) throw InputError(file.string(), "has " + std::to_string(spec.nchannels) + " channels; 4 (RGBA) are read");
+  if (spec.nchannels != 4)
+    throw InputError(file.string(), "has " + std::to_string(spec.nchannels) + " channels; 4 (RGBA) are read");
   Image image(spec.width, spec.height);
-  if (!reader->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, image.rgba.data())) throw InputError(file.string(), reader->geterror());
+  if (!reader->read_image(0, 0, 0, 4, OIIO::TypeDesc::FLOAT, image.rgba.data()))
+    throw InputError(file.string(), reader->geterror());
   if (spec.format == OIIO::TypeDesc::UINT8) {
     // OpenImageIO hands PNG over with associated alpha in the encoded domain; ours is associated in linear light.
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
       const float alpha = image.rgba[i + 3];
-      for (std::size_t c = 0; c < 3 && alpha > 0.0F; ++c) image.rgba[i + c] = alpha * srgb_decode(image.rgba[i + c] / alpha);
+      for (std::size_t c = 0; c < 3 && alpha > 0.0F; ++c)
+        image.rgba[i + c] = alpha * srgb_decode(image.rgba[i + c] / alpha);
     }
   }
   return image;

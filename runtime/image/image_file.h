@@ -11,7 +11,8 @@ namespace pelage {
 
 /// Writes by the extension, .png or .exr, to a temporary file that is renamed when complete. `attributes` become text
 /// metadata. @throws UsageError for another extension, OutputError when it cannot be written
-void write_image(const Image& image, const std::filesystem::path& file, const std::map<std::string, std::string>& attributes);
+void write_image(const Image& image, const std::filesystem::path& file,
+                 const std::map<std::string, std::string>& attributes);
 
 /// Reads any picture that OpenImageIO knows as linear premultiplied RGBA (8-bit files are taken as sRGB).
 /// @throws InputError

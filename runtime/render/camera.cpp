@@ -40,10 +40,12 @@ glm::mat4 world_to_clip(const Camera& camera, const Bounds& bounds, float aspect
     farthest = std::max(farthest, depth);
   }
   if (bounds.empty()) nearest = 0.5F * length, farthest = 2.0F * length;
-  // Inside or behind the hair: the near plane stays in front of the eye and 1/10,000 of the far plane keeps depth precise.
+  // Inside or behind the hair: the near plane stays in front of the eye and 1/10,000 of the far plane keeps depth
+  // precise.
   farthest = std::max(farthest * 1.01F, 1e-3F * length);
   nearest = std::max(nearest * 0.99F, farthest * 1e-4F);
-  return glm::perspective(glm::radians(camera.fov_deg), aspect, nearest, farthest) * glm::lookAt(camera.eye, camera.target, up);
+  return glm::perspective(glm::radians(camera.fov_deg), aspect, nearest, farthest) *
+         glm::lookAt(camera.eye, camera.target, up);
 }
 
 }  // namespace pelage

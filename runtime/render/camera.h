@@ -17,7 +17,8 @@ struct Bounds {
   }
 };
 
-/// Looks at the middle of the bounds from the front (+Z), a little from the side and above, far enough to see them whole.
+/// Looks at the middle of the bounds from the front (+Z), a little from the side and above, far enough to see them
+/// whole.
 Camera framed_camera(const Bounds& bounds, float aspect);
 
 /// World to clip. Near and far planes enclose the bounds as the camera sees them. @throws UsageError for eye = target

@@ -27,7 +27,8 @@ std::vector<EGLDisplay> candidate_displays() {
     EGLint count = 0;
     if (eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
       for (EGLint i = 0; i < count; ++i) {
-        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
+        displays.push_back(
+            eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
       }
     }
   }
@@ -49,10 +50,12 @@ EGLContext context_on(EGLDisplay display, std::string& why) {
     eglTerminate(display);
     return EGL_NO_CONTEXT;
   }
-  constexpr std::array<EGLint, 7> kAttributes{EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 3,
-                                              EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  constexpr std::array<EGLint, 7> kAttributes{
+      EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
   const EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAttributes.data());
-  if (context != EGL_NO_CONTEXT && eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return context;
+  if (context != EGL_NO_CONTEXT && eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE)
+    return context;
   why += " no OpenGL 4.3 core context;";
   if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
   eglTerminate(display);
@@ -89,7 +92,8 @@ std::string opengl_description() {
 
 void require_opengl_43() {
   if (epoxy_gl_version() >= 43) return;
-  throw GraphicsError("OpenGL 4.3 is needed, this is " + opengl_description() + "; update the driver, or use Mesa's software "
+  throw GraphicsError("OpenGL 4.3 is needed, this is " + opengl_description() +
+                      "; update the driver, or use Mesa's software "
                       "renderer (LIBGL_ALWAYS_SOFTWARE=1)");
 }
 

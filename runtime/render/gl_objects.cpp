@@ -14,10 +14,15 @@ namespace {
 
 const std::map<std::string_view, std::string_view>& embedded_shaders() {
   static const std::map<std::string_view, std::string_view> files{
-      {"common_lobes.glsl", shaders::common_lobes_glsl},   {"hair_surface.vert", shaders::hair_surface_vert},
-      {"hair_surface.frag", shaders::hair_surface_frag},   {"hair_list_resolve.frag", shaders::hair_list_resolve_frag},
-      {"head.vert", shaders::head_vert},                   {"head.frag", shaders::head_frag},
-      {"screen.vert", shaders::screen_vert},               {"downsample.frag", shaders::downsample_frag},
+      {"common_lobes.glsl", shaders::common_lobes_glsl},
+      {"hair_surface.vert", shaders::hair_surface_vert},
+      {"hair_surface.frag", shaders::hair_surface_frag},
+      {"hair_list_resolve.frag", shaders::hair_list_resolve_frag},
+      {"head.vert", shaders::head_vert},
+      {"head.frag", shaders::head_frag},
+      {"screen.vert", shaders::screen_vert},
+      {"downsample.frag", shaders::downsample_frag},
+      {"present.frag", shaders::present_frag},
       {"test_lobes.comp", shaders::test_lobes_comp}};
   return files;
 }
@@ -64,7 +69,8 @@ void Buffer::upload_bytes(GLenum target, const void* data, std::size_t bytes, GL
   bytes_ = bytes;
 }
 
-Program::Program(std::string_view vertex, std::string_view fragment, std::string_view defines) : id_(glCreateProgram()) {
+Program::Program(std::string_view vertex, std::string_view fragment, std::string_view defines)
+    : id_(glCreateProgram()) {
   attach(GL_VERTEX_SHADER, vertex, defines);
   attach(GL_FRAGMENT_SHADER, fragment, defines);
   link();
@@ -110,8 +116,8 @@ Framebuffer::Framebuffer(int width, int height, GLenum format, bool with_depth) 
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
   if (width < 1 || height < 1 || width > most || height > most) {
-    throw GraphicsError("a target of " + std::to_string(width) + " x " + std::to_string(height) + " pixels is outside 1 to " +
-                        std::to_string(most));
+    throw GraphicsError("a target of " + std::to_string(width) + " x " + std::to_string(height) +
+                        " pixels is outside 1 to " + std::to_string(most));
   }
   glGenFramebuffers(1, &id_);
   glBindFramebuffer(GL_FRAMEBUFFER, id_);
@@ -126,7 +132,8 @@ Framebuffer::Framebuffer(int width, int height, GLenum format, bool with_depth) 
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   }
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw GraphicsError("the driver refuses a floating-point target of " + std::to_string(width) + " x " + std::to_string(height));
+    throw GraphicsError("the driver refuses a floating-point target of " + std::to_string(width) + " x " +
+                        std::to_string(height));
   }
 }
 
@@ -144,8 +151,10 @@ void Framebuffer::bind() const noexcept {
 void check_opengl(const char* step) {
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
-  const char* const name = error == GL_OUT_OF_MEMORY ? "out of memory" : error == GL_INVALID_OPERATION ? "invalid operation"
-                           : error == GL_CONTEXT_LOST ? "context lost" : "error";
+  const char* const name = error == GL_OUT_OF_MEMORY       ? "out of memory"
+                           : error == GL_INVALID_OPERATION ? "invalid operation"
+                           : error == GL_CONTEXT_LOST      ? "context lost"
+                                                           : "error";
   throw GraphicsError(std::string("OpenGL reports ") + name + " (" + std::to_string(error) + ") after " + step);
 }
 

@@ -17,10 +17,13 @@ constexpr float kTwoPi = 2.0F * std::numbers::pi_v<float>;
 /// Columns around a ring at least: fewer would show as a polygon.
 constexpr int kFewestColumns = 12;
 
-int columns_of(int sectors) noexcept { return std::max(sectors, kFewestColumns); }
+int columns_of(int sectors) noexcept {
+  return std::max(sectors, kFewestColumns);
+}
 
 /// One surface of a layer: (plates + 1) x (columns + 1) vertices, the last column repeats the first.
-void add_surface(const SatfModel& model, std::size_t instance, int layer, float radius, std::vector<SurfaceVertex>& out) {
+void add_surface(const SatfModel& model, std::size_t instance, int layer, float radius,
+                 std::vector<SurfaceVertex>& out) {
   const SweptCluster& swept = model.instances[instance].swept;
   const int columns = columns_of(sectors_in_layer(model.division, layer));
   const auto width = static_cast<float>(model.layout.widths[static_cast<std::size_t>(layer)]);
@@ -42,7 +45,8 @@ void add_surface(const SatfModel& model, std::size_t instance, int layer, float 
       const glm::vec3 t = glm::normalize(v.tangent);
       v.normal = glm::normalize(outward - glm::dot(outward, t) * t);
       v.map_at = {share * width, static_cast<float>(i)};
-      v.map_id = static_cast<std::uint32_t>(instance * static_cast<std::size_t>(model.division.layers) + static_cast<std::size_t>(layer));
+      v.map_id = static_cast<std::uint32_t>(instance * static_cast<std::size_t>(model.division.layers) +
+                                            static_cast<std::size_t>(layer));
       out.push_back(v);
     }
   }
@@ -86,7 +90,9 @@ void add_layer(const SatfModel& model, std::size_t instance, int layer, HairSurf
   }
 }
 
-bool faces(const Patch& p, glm::vec3 eye) noexcept { return glm::dot(p.normal, eye - p.centre) >= 0.0F; }
+bool faces(const Patch& p, glm::vec3 eye) noexcept {
+  return glm::dot(p.normal, eye - p.centre) >= 0.0F;
+}
 
 /// Monotone in the float, for sorting as integers.
 std::uint32_t sortable(float f) noexcept {
@@ -95,7 +101,8 @@ std::uint32_t sortable(float f) noexcept {
 }
 
 /// Sort key of a patch, ascending = drawn first.
-std::uint64_t key_of(const HairSurfaces& surfaces, const Division& division, DrawOrder order, glm::vec3 eye, const Patch& p) {
+std::uint64_t key_of(const HairSurfaces& surfaces, const Division& division, DrawOrder order, glm::vec3 eye,
+                     const Patch& p) {
   const bool front = faces(p, eye);
   if (order == DrawOrder::patches) {
     const glm::vec3 d = (front ? p.centre : p.inner_centre) - eye;
@@ -131,7 +138,8 @@ std::vector<std::uint32_t> ordered_indices(const HairSurfaces& surfaces, const D
   };
   std::vector<Item> items(surfaces.patches.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::uint64_t key = order == DrawOrder::exact ? 0 : key_of(surfaces, division, order, eye, surfaces.patches[i]);
+    const std::uint64_t key =
+        order == DrawOrder::exact ? 0 : key_of(surfaces, division, order, eye, surfaces.patches[i]);
     items[i] = {key, static_cast<std::uint32_t>(i)};
   }
   if (order != DrawOrder::exact) tbb::parallel_sort(items.begin(), items.end());

@@ -1,8 +1,9 @@
 // Surfaces of the cluster layers as triangles, and the order in which they are drawn. No OpenGL here.
 //
 // A layer is drawn where a ray enters it: its outer surface where that faces the viewer, its inner surface where the
-// viewer looks at the cluster's far side from within (records are parametrised the same way, db/record_source.h). A patch
-// is one HSV's piece of a layer; it is drawn as one of the two. Patches whose sectors hold no strand are left out.
+// viewer looks at the cluster's far side from within (records are parametrised the same way, db/record_source.h). A
+// patch is one HSV's piece of a layer; it is drawn as one of the two. Patches whose sectors hold no strand are left
+// out.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +26,10 @@ struct SurfaceVertex {
 };
 
 struct Patch {
-  std::uint32_t outer, inner;      // first vertex of the outer and the inner surface
-  std::uint32_t next_plate;        // vertices from one plate to the next; the next column is the next vertex
-  std::uint32_t instance_layer;    // as SurfaceVertex::map_id
-  glm::vec3 centre, normal;        // of the outer surface
+  std::uint32_t outer, inner;    // first vertex of the outer and the inner surface
+  std::uint32_t next_plate;      // vertices from one plate to the next; the next column is the next vertex
+  std::uint32_t instance_layer;  // as SurfaceVertex::map_id
+  glm::vec3 centre, normal;      // of the outer surface
   glm::vec3 inner_centre;
 };
 

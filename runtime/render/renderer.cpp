@@ -69,7 +69,8 @@ glm::vec3 light_sum(std::span<const Light> lights) {
 
 void attribute(GLuint location, GLint components, std::size_t stride, std::size_t offset) {
   glEnableVertexAttribArray(location);
-  glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride), reinterpret_cast<const void*>(offset));
+  glVertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
+                        reinterpret_cast<const void*>(offset));
 }
 
 }  // namespace
@@ -80,6 +81,7 @@ struct Renderer::Resources {
   Program list_resolve{"screen.vert", "hair_list_resolve.frag"};
   Program head{"head.vert", "head.frag"};
   Program downsample{"screen.vert", "downsample.frag"};
+  Program present{"screen.vert", "present.frag"};
 
   VertexArray hair_array, head_array, screen_array;
   Buffer hair_vertices, hair_indices, texels, maps, drift;
@@ -91,7 +93,9 @@ struct Renderer::Resources {
   int rows = 2, samples = 4, target_width = 0;
 };
 
-Renderer::Renderer() : gl_(std::make_unique<Resources>()) { check_opengl("building the shaders"); }
+Renderer::Renderer() : gl_(std::make_unique<Resources>()) {
+  check_opengl("building the shaders");
+}
 Renderer::~Renderer() = default;
 
 void Renderer::set_head(const Mesh& head) {
@@ -123,7 +127,8 @@ void Renderer::set_hair(const HairSurfaces& surfaces, const SatfModel& model, st
   attribute(2, 3, sizeof(SurfaceVertex), offsetof(SurfaceVertex, normal));
   attribute(3, 2, sizeof(SurfaceVertex), offsetof(SurfaceVertex, map_at));
   glEnableVertexAttribArray(4);
-  glVertexAttribIPointer(4, 1, GL_UNSIGNED_INT, sizeof(SurfaceVertex), reinterpret_cast<const void*>(offsetof(SurfaceVertex, map_id)));
+  glVertexAttribIPointer(4, 1, GL_UNSIGNED_INT, sizeof(SurfaceVertex),
+                         reinterpret_cast<const void*>(offsetof(SurfaceVertex, map_id)));
   const std::vector<MapInfo> infos = map_infos(model, clusters);
   gl_->maps.upload(GL_SHADER_STORAGE_BUFFER, std::span<const MapInfo>(infos), GL_STATIC_DRAW);
   gl_->drift.upload(GL_SHADER_STORAGE_BUFFER, std::span<const float>(model.sectors.drift), GL_STATIC_DRAW);
@@ -190,7 +195,8 @@ void Renderer::draw_hair(const DrawRequest& request, bool lists) {
   glUniformMatrix4fv(p.at("world_to_clip"), 1, GL_FALSE, glm::value_ptr(request.world_to_clip));
   set_lights(p, request.lights);
   set_material(p, request.material, request.settings);
-  const glm::vec3 ambient = request.settings.diffuse ? request.material.ambient * light_sum(request.lights) : glm::vec3(0.0F);
+  const glm::vec3 ambient =
+      request.settings.diffuse ? request.material.ambient * light_sum(request.lights) : glm::vec3(0.0F);
   glUniform3fv(p.at("ambient"), 1, glm::value_ptr(ambient));
   glUniform3fv(p.at("eye"), 1, glm::value_ptr(request.eye));
   glUniform1ui(p.at("texels_per_light"), static_cast<GLuint>(gl_->texels_per_light));
@@ -215,9 +221,11 @@ void Renderer::draw_exact(const DrawRequest& request, Framebuffer& target) {
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   const std::size_t limit = (static_cast<std::size_t>(most) - kListHeader) / kFragmentBytes;
   if (gl_->fragment_capacity == 0) gl_->fragment_capacity = std::min(kFirstCapacity, limit);
-  const std::vector<std::uint32_t> ends(static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height()), 0xffffffffU);
+  const std::vector<std::uint32_t> ends(
+      static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height()), 0xffffffffU);
   for (;;) {
-    gl_->fragments.allocate(GL_SHADER_STORAGE_BUFFER, kListHeader + gl_->fragment_capacity * kFragmentBytes, GL_STREAM_COPY);
+    gl_->fragments.allocate(GL_SHADER_STORAGE_BUFFER, kListHeader + gl_->fragment_capacity * kFragmentBytes,
+                            GL_STREAM_COPY);
     const std::uint32_t zero = 0;
     glBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof zero, &zero);
     gl_->heads.upload(GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(ends), GL_STREAM_COPY);
@@ -230,8 +238,8 @@ void Renderer::draw_exact(const DrawRequest& request, Framebuffer& target) {
     glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof used, &used);
     if (used <= gl_->fragment_capacity) break;
     if (used > limit) {
-      throw GraphicsError("exact order needs " + std::to_string(used) + " fragments, this driver holds " + std::to_string(limit) +
-                          ": use a smaller --size or another --order");
+      throw GraphicsError("exact order needs " + std::to_string(used) + " fragments, this driver holds " +
+                          std::to_string(limit) + ": use a smaller --size or another --order");
     }
     gl_->fragment_capacity = std::min(limit, static_cast<std::size_t>(used) + used / 4);
   }
@@ -263,9 +271,25 @@ void Renderer::read(Framebuffer& target, int supersampling, Image& out, int x0, 
   check_opengl("reading the picture");
   for (int y = 0; y < h; ++y) {
     // OpenGL's rows start at the bottom of the tile.
-    const float* const from = rows.data() + 4U * static_cast<std::size_t>(mean.height() - 1 - y) * static_cast<std::size_t>(mean.width());
+    const float* const from =
+        rows.data() + 4U * static_cast<std::size_t>(mean.height() - 1 - y) * static_cast<std::size_t>(mean.width());
     std::copy_n(from, 4 * w, out.pixel(x0, y0 + y));
   }
+}
+
+void Renderer::present(Framebuffer& target, float exposure, const glm::vec3& background) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, target.width(), target.height());
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glUseProgram(gl_->present.id());
+  glUniform1f(gl_->present.at("exposure"), exposure);
+  glUniform3fv(gl_->present.at("background"), 1, glm::value_ptr(background));
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, target.colour());
+  glBindVertexArray(gl_->screen_array.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  check_opengl("showing the picture");
 }
 
 std::vector<glm::vec4> Renderer::lobes_on_gpu(const HairMaterial& material, std::span<const glm::vec4> t_n_l_v) {

@@ -1,5 +1,5 @@
-// All drawing of a frame: head, layers of hair, blending [Xu2006 eq. 14]. Holds GPU resources only; what to draw comes with
-// each call. Needs a current OpenGL 4.3 context for its whole life.
+// All drawing of a frame: head, layers of hair, blending [Xu2006 eq. 14]. Holds GPU resources only; what to draw comes
+// with each call. Needs a current OpenGL 4.3 context for its whole life.
 #pragma once
 
 #include <cstdint>
@@ -52,6 +52,9 @@ class Renderer {
 
   /// Mean of supersampling x supersampling samples into `out` at (x0, y0), as far as `out` reaches.
   void read(Framebuffer& target, int supersampling, Image& out, int x0, int y0);
+
+  /// Shows `target`, exposed and over a background, on the window's own framebuffer of the same size.
+  void present(Framebuffer& target, float exposure, const glm::vec3& background);
 
   /// hair_lighting() evaluated on the GPU, for the test of the twins. Inputs [n] each.
   std::vector<glm::vec4> lobes_on_gpu(const HairMaterial& material, std::span<const glm::vec4> t_n_l_v);

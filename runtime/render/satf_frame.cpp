@@ -69,7 +69,8 @@ SatfFrame::~SatfFrame() = default;
 
 void SatfFrame::update(const FrameSettings& frame) {
   if (frame.lights.size() > kMaxLights) {
-    throw UsageError("the scene has " + std::to_string(frame.lights.size()) + " lights; at most " + std::to_string(kMaxLights) + " are drawn");
+    throw UsageError("the scene has " + std::to_string(frame.lights.size()) + " lights; at most " +
+                     std::to_string(kMaxLights) + " are drawn");
   }
   if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);
   if (!last_ || !same_maps(*last_, frame)) update_maps(frame);
@@ -86,7 +87,8 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
       auto stage = ledger_.run("shadow map");
       map.emplace(segments_, frame.lights[i].direction, model_.blocked_width_m, frame.satf.shadow_resolution);
       stage.bytes(map->bytes());
-      for (std::size_t v = 0; v < on_head.size(); ++v) on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);
+      for (std::size_t v = 0; v < on_head.size(); ++v)
+        on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);
     }
     auto stage = ledger_.run("s-maps");
     shadows_[i].resize(model_.texels());
@@ -104,7 +106,8 @@ void SatfFrame::update_maps(const FrameSettings& frame) {
     auto stage = ledger_.run("maps");
     for (std::size_t i = 0; i < frame.lights.size(); ++i) {
       const MapRequest request{frame.camera.eye, glm::normalize(frame.lights[i].direction), frame.satf};
-      build_maps(model_, *source_, request, shadows_[i], std::span(texels_).subspan(i * model_.texels(), model_.texels()));
+      build_maps(model_, *source_, request, shadows_[i],
+                 std::span(texels_).subspan(i * model_.texels(), model_.texels()));
     }
     stage.bytes(texels_.size() * sizeof(Texel));
   }
@@ -124,11 +127,15 @@ DrawRequest SatfFrame::request_of(const FrameSettings& frame, float aspect) cons
   return {world_to_clip(frame.camera, bounds_, aspect), frame.camera.eye, frame.lights, frame.material, frame.satf};
 }
 
-void SatfFrame::draw(const FrameSettings& frame, Framebuffer& target) {
+void SatfFrame::show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background) {
   ledger_.begin_frame();
   update(frame);
   auto stage = ledger_.run("draw");
-  renderer_.draw(request_of(frame, static_cast<float>(target.width()) / static_cast<float>(target.height())), target);
+  if (!window_target_ || window_target_->width() != width || window_target_->height() != height) {
+    window_target_ = std::make_unique<Framebuffer>(width, height, GL_RGBA16F, true);
+  }
+  renderer_.draw(request_of(frame, static_cast<float>(width) / static_cast<float>(height)), *window_target_);
+  renderer_.present(*window_target_, exposure, background);
 }
 
 Image SatfFrame::render(const FrameSettings& frame, int width, int height, int supersampling) {

@@ -36,8 +36,8 @@ class SatfFrame {
 
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
   Image render(const FrameSettings& frame, int width, int height, int supersampling);
-  /// Draws into a target of the caller's, one sample per pixel of it.
-  void draw(const FrameSettings& frame, Framebuffer& target);
+  /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
+  void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 
   const Bounds& bounds() const noexcept { return bounds_; }
   const StageLedger& ledger() const noexcept { return ledger_; }
@@ -63,6 +63,7 @@ class SatfFrame {
   std::vector<std::uint32_t> indices_;
   Bounds bounds_;
   std::optional<FrameSettings> last_;
+  std::unique_ptr<Framebuffer> window_target_;
   Renderer renderer_;
 };
 

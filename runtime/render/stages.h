@@ -10,9 +10,9 @@ namespace pelage {
 
 struct Stage {
   std::string name;
-  double milliseconds = 0;   // wall, this frame
-  std::uint64_t bytes = 0;   // read and written, or uploaded
-  std::uint64_t calls = 0;   // since the ledger began
+  double milliseconds = 0;  // wall, this frame
+  std::uint64_t bytes = 0;  // read and written, or uploaded
+  std::uint64_t calls = 0;  // since the ledger began
 };
 
 class StageLedger {
@@ -20,7 +20,8 @@ class StageLedger {
   /// Times one call of a stage until it goes out of scope.
   class Timer {
    public:
-    Timer(StageLedger& ledger, std::size_t stage) : ledger_(ledger), stage_(stage), start_(std::chrono::steady_clock::now()) {}
+    Timer(StageLedger& ledger, std::size_t stage)
+        : ledger_(ledger), stage_(stage), start_(std::chrono::steady_clock::now()) {}
     ~Timer();
     Timer(const Timer&) = delete;
     Timer& operator=(const Timer&) = delete;

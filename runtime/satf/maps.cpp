@@ -69,8 +69,8 @@ void sum_ring(const SatfModel& model, const RecordSource& source, std::size_t in
 }
 
 /// Eq. 12 with exp over the alpha-maps at the same (u, t): chi(k) is every outer layer; half of the own layer counts.
-float paper_transmittance(const SatfModel& model, const std::vector<std::vector<float>>& alpha, int layer, std::size_t x,
-                          float strength) noexcept {
+float paper_transmittance(const SatfModel& model, const std::vector<std::vector<float>>& alpha, int layer,
+                          std::size_t x, float strength) noexcept {
   const auto own = static_cast<std::size_t>(layer);
   const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(model.layout.widths[own]);
   float sum = 0.5F * alpha[own][x];
@@ -81,7 +81,9 @@ float paper_transmittance(const SatfModel& model, const std::vector<std::vector<
 }
 
 /// Cluster ends fade over one HSV: an open end would show as a cut tube.
-float end_fade(int plate, int plates) noexcept { return plate == 0 || plate == plates ? 0.0F : 1.0F; }
+float end_fade(int plate, int plates) noexcept {
+  return plate == 0 || plate == plates ? 0.0F : 1.0F;
+}
 
 struct InstanceScratch {
   RingScratch ring;
@@ -94,7 +96,8 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
   const SweptCluster& swept = model.instances[instance].swept;
   const auto row = static_cast<std::size_t>(plate);
   const Frame& frame = swept.frames[row];
-  const PlateDirection view = plate_direction(frame, swept.cross_sections[row], glm::normalize(request.eye - frame.position));
+  const PlateDirection view =
+      plate_direction(frame, swept.cross_sections[row], glm::normalize(request.eye - frame.position));
   const PlateDirection light = plate_direction(frame, swept.cross_sections[row], request.to_light);
   const float fade = request.settings.fade_ends ? end_fade(plate, model.division.plates) : 1.0F;
   for (int j = 0; j < model.division.layers; ++j) {
@@ -125,7 +128,8 @@ Texel pack_texel(const TexelValues& v) noexcept {
   const auto quantise = [](float value, float top, std::uint32_t levels) {
     return static_cast<std::uint32_t>(std::clamp(value / top, 0.0F, 1.0F) * static_cast<float>(levels) + 0.5F);
   };
-  return quantise(v.alpha, 1.0F, 1023) | quantise(v.re, kReRange, 4095) << 10 | quantise(v.transmittance, 1.0F, 1023) << 22;
+  return quantise(v.alpha, 1.0F, 1023) | quantise(v.re, kReRange, 4095) << 10 |
+         quantise(v.transmittance, 1.0F, 1023) << 22;
 }
 
 TexelValues unpack_texel(Texel t) noexcept {
@@ -133,7 +137,8 @@ TexelValues unpack_texel(Texel t) noexcept {
           static_cast<float>(t >> 22) / 1023.0F};
 }
 
-float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring, float reference_scale) noexcept {
+float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring,
+                    float reference_scale) noexcept {
   const float area = std::max(s.determinant(), 1e-12F);
   const float sigma_m = model.profile_sigma * ring.width * std::sqrt(area);
   const double mass = gaussian_mass(static_cast<double>(model.blocked_width_m), static_cast<double>(sigma_m));
@@ -169,7 +174,8 @@ void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t 
   }
   scratch.factors.resize(depth.size());
   const float mass = mass_per_area(model, s, ring, source.reference_scale());
-  depth_factors(ring, model.rings[static_cast<std::size_t>(layer)], d, mass, model.max_path, curvature, scratch.factors);
+  depth_factors(ring, model.rings[static_cast<std::size_t>(layer)], d, mass, model.max_path, curvature,
+                scratch.factors);
   if (trust < 1.0F) {
     // The factors depend on the azimuth too: along the axis the mean factor of the ring counts.
     float mean = 0.0F;

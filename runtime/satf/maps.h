@@ -1,4 +1,5 @@
-// re- and alpha-maps of every layer from any RecordSource [Xu2006 sections 6.2, eqs. 4, 6, 7 as DESIGN section 5 reads them].
+// re- and alpha-maps of every layer from any RecordSource [Xu2006 sections 6.2, eqs. 4, 6, 7 as DESIGN section 5 reads
+// them].
 //
 // A row of a map is a plate. Within a plate the view angle is linear in u, so maps show no facets; neighbouring sectors
 // overlap by half and are blended by optical depth, so they show no seams. Between plates the shader interpolates rows,
@@ -35,8 +36,8 @@ struct MapRequest {
 /// Optical depth of one ring of one instance as seen along `d`: [width], and straight reflectance for light `l` if `re`
 /// is not empty: [width].
 struct RingScratch {
-  std::vector<float> tau, reflectance;   // one record
-  std::vector<float> depth, weighted;    // ring with one record of padding
+  std::vector<float> tau, reflectance;  // one record
+  std::vector<float> depth, weighted;   // ring with one record of padding
   std::vector<float> factors;
 };
 void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t instance, int layer, int plate,
@@ -44,7 +45,8 @@ void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t 
                 std::span<float> depth, std::span<float> re) noexcept;
 
 /// Optical mass of a strand over det S and c0, for depth_factors. [1/m]
-float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring, float reference_scale) noexcept;
+float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring,
+                    float reference_scale) noexcept;
 
 /// Fills `texels` [model.texels()]; transmittance comes from `shadows` (self_shadow.h, [texels], or empty: 1), or, with
 /// SelfShadow::paper, from eq. 12 over the alpha-maps just built. Parallel; the same bytes for any number of threads.

@@ -34,7 +34,8 @@ MapLayout layout_of(const Division& division, int samples) {
   for (int j = 0; j < division.layers; ++j) {
     layout.widths.push_back(sectors_in_layer(division, j) * samples / 2);
     layout.offsets.push_back(layout.texels_per_instance);
-    layout.texels_per_instance += static_cast<std::size_t>(layout.widths.back()) * static_cast<std::size_t>(layout.rows);
+    layout.texels_per_instance +=
+        static_cast<std::size_t>(layout.widths.back()) * static_cast<std::size_t>(layout.rows);
   }
   return layout;
 }

@@ -1,5 +1,5 @@
-// SatfModel: a hairstyle made ready for re/alpha/s-maps: its instances in the world, its sectors, and where each map lies.
-// Built once per geometry; frames only read it. [Xu2006 sections 3, 6]
+// SatfModel: a hairstyle made ready for re/alpha/s-maps: its instances in the world, its sectors, and where each map
+// lies. Built once per geometry; frames only read it. [Xu2006 sections 3, 6]
 #pragma once
 
 #include <cstddef>
@@ -25,14 +25,15 @@ std::vector<Instance> instances_of(const Hairstyle& style);
 /// Where texels lie: [instance][layer][plate][x]. A ring of n sectors has n * samples / 2 texels around: texel x at
 /// u = 2 pi (x + 1/2) / width. Row i belongs to plate i.
 struct MapLayout {
-  int rows = 0;                        // plates + 1
-  std::vector<int> widths;             // [layer] texels around
-  std::vector<std::size_t> offsets;    // [layer] first texel of the layer within an instance
+  int rows = 0;                      // plates + 1
+  std::vector<int> widths;           // [layer] texels around
+  std::vector<std::size_t> offsets;  // [layer] first texel of the layer within an instance
   std::size_t texels_per_instance = 0;
 
   std::size_t texel(std::size_t instance, int layer, int row) const noexcept {
     const auto j = static_cast<std::size_t>(layer);
-    return instance * texels_per_instance + offsets[j] + static_cast<std::size_t>(row) * static_cast<std::size_t>(widths[j]);
+    return instance * texels_per_instance + offsets[j] +
+           static_cast<std::size_t>(row) * static_cast<std::size_t>(widths[j]);
   }
 };
 
@@ -43,13 +44,13 @@ struct RingTable {
 
 struct SatfModel {
   Division division;
-  float blocked_width_m = 0;   // a D
-  float profile_sigma = 0;     // standard deviation of a strand's profile in a record, in s (Gaussian and smoothing)
-  float max_path = 0;          // longest march of a record, in units of a sector's height
-  int samples = 0;             // of a record along s; a multiple of 4
+  float blocked_width_m = 0;  // a D
+  float profile_sigma = 0;    // standard deviation of a strand's profile in a record, in s (Gaussian and smoothing)
+  float max_path = 0;         // longest march of a record, in units of a sector's height
+  int samples = 0;            // of a record along s; a multiple of 4
   std::vector<Instance> instances;
   std::vector<std::uint32_t> strands_at;  // [cluster][plate] strands that cross the plate
-  SectorSet sectors;           // tracks [cluster][layer][sector]
+  SectorSet sectors;                      // tracks [cluster][layer][sector]
   MapLayout layout;
   std::vector<RingTable> rings;  // [layer]
 

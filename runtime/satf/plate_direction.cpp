@@ -12,7 +12,9 @@ constexpr float kPi = std::numbers::pi_v<float>;
 /// In-plane part below which the azimuth of a float direction is rounding noise.
 constexpr float kNoAzimuth = 1e-6F;
 
-float square(float x) noexcept { return x * x; }
+float square(float x) noexcept {
+  return x * x;
+}
 
 }  // namespace
 
@@ -63,7 +65,8 @@ void depth_factors(const RingShape& ring, const RingTable& table, const PlateDir
     // Chord of the ring: from the outer surface inwards (front), from the inner surface outwards (back).
     const float abs_cos = std::abs(cos_t);
     const float to_inner = inner2 - outer2 * sin2;
-    const float front = to_inner > 0.0F ? ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F)) : 2.0F * ring.outer * abs_cos;
+    const float front =
+        to_inner > 0.0F ? ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F)) : 2.0F * ring.outer * abs_cos;
     const float back = std::sqrt(std::max(outer2 - inner2 * sin2, 0.0F)) - ring.inner * abs_cos;
     const float chord = cos_t >= 0.0F ? front : back;
     const float slab = std::min(ring.height / std::max(abs_cos, 1e-6F), max_path / metric);

@@ -1,8 +1,8 @@
 // A direction as one plate sees it, and what a ring of sectors stops of light along it.
 //
 // Disk coordinates: delta = S^-1 d for the in-plane unit direction d. At azimuth u the angle from outward is
-// theta = phi - u, phi the azimuth of delta: linear in u. Sector coordinates stretch it: tan theta' = (height / width) tan
-// theta, whatever S is, because J = S [width * around, height * outward].
+// theta = phi - u, phi the azimuth of delta: linear in u. Sector coordinates stretch it: tan theta' = (height / width)
+// tan theta, whatever S is, because J = S [width * around, height * outward].
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -14,11 +14,11 @@
 namespace pelage {
 
 struct PlateDirection {
-  glm::vec2 disk{1, 0};  // unit, cos and sin of phi
-  float phi = 0;         // azimuth [rad] in disk coordinates
-  float plane_angle = 0; // azimuth [rad] of d in the plate plane (physical)
-  float stretch = 1;     // |S^-1 d| [1/m] for the unit in-plane d
-  float planar = 0;      // length of the direction's in-plane part, [0, 1]: 0 looks along the cluster's axis
+  glm::vec2 disk{1, 0};   // unit, cos and sin of phi
+  float phi = 0;          // azimuth [rad] in disk coordinates
+  float plane_angle = 0;  // azimuth [rad] of d in the plate plane (physical)
+  float stretch = 1;      // |S^-1 d| [1/m] for the unit in-plane d
+  float planar = 0;       // length of the direction's in-plane part, [0, 1]: 0 looks along the cluster's axis
 };
 
 /// @param towards  unit vector towards viewer or light. Where it runs along the axis the azimuth is undefined: then

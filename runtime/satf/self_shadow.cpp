@@ -91,7 +91,8 @@ class CrossingTable {
   std::vector<RingHit> hits_;  // [from][to][angle]
 };
 
-void exit_depths(const SatfModel& model, const DensityMap* others, std::size_t instance, int plate, std::span<float> out) {
+void exit_depths(const SatfModel& model, const DensityMap* others, std::size_t instance, int plate,
+                 std::span<float> out) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     const float u = kTwoPi * (static_cast<float>(i) + 0.5F) / static_cast<float>(out.size());
     const glm::vec2 disk = kExitRadius * glm::vec2(std::cos(u), std::sin(u));
@@ -108,8 +109,9 @@ float mean_extinction(const SatfModel& model, std::size_t instance, int plate) n
   return model.blocked_width_m * static_cast<float>(strands) / area;
 }
 
-void shadow_row(const SatfModel& model, const RecordSource& source, const ShadowRequest& request, const CrossingTable& table,
-                std::size_t instance, int plate, RowScratch& scratch, std::span<std::uint16_t> shadows) {
+void shadow_row(const SatfModel& model, const RecordSource& source, const ShadowRequest& request,
+                const CrossingTable& table, std::size_t instance, int plate, RowScratch& scratch,
+                std::span<std::uint16_t> shadows) {
   const SweptCluster& swept = model.instances[instance].swept;
   const auto row = static_cast<std::size_t>(plate);
   const PlateDirection light = plate_direction(swept.frames[row], swept.cross_sections[row], request.to_light);

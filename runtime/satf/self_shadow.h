@@ -3,8 +3,8 @@
 // On the lit side the light's ray from a texel crosses the outer layers at other azimuths than the texel's own: their
 // optical depth as seen from the light is looked up there ("ring hit"), and half of the own layer counts. On the unlit
 // side: mean density of the plate times the path to the envelope. Between the two the depths are blended over
-// |cos theta| < 1/4. What lies outside the cluster comes from a density map at the point where the ray leaves the envelope.
-// The paper's own setting (eq. 12) depends on the view's alpha and is part of maps.h.
+// |cos theta| < 1/4. What lies outside the cluster comes from a density map at the point where the ray leaves the
+// envelope. The paper's own setting (eq. 12) depends on the view's alpha and is part of maps.h.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@
 namespace pelage {
 
 struct ShadowRequest {
-  glm::vec3 to_light{0, 1, 0};        // unit
-  bool self_shadow = true;            // within the cluster, following the light
-  bool curvature = true;              // as in MapRequest
-  const DensityMap* others = nullptr; // shadow of everything beyond the envelope; null: none
+  glm::vec3 to_light{0, 1, 0};         // unit
+  bool self_shadow = true;             // within the cluster, following the light
+  bool curvature = true;               // as in MapRequest
+  const DensityMap* others = nullptr;  // shadow of everything beyond the envelope; null: none
 };
 
 /// Fills `shadows` [model.texels()] with transmittance in 1/65535. Depends on light and geometry, not on the view.

@@ -1,11 +1,13 @@
-// Hair lighting at a point of a strand: diffuse, primary and secondary highlight. CPU twin of shaders/common_lobes.glsl.
+// Hair lighting at a point of a strand: diffuse, primary and secondary highlight. CPU twin of
+// shaders/common_lobes.glsl.
 //
-// [KajiyaKay1989] as [Xu2006 eqs. 8-11] and [Scheuermann2004] use it. t: unit tangent towards the tip; n: unit normal of
-// the cluster surface, outward; l, v: unit vectors towards light and viewer. Deviations from the papers:
-// - Sines are |t x l|: sqrt(1 - (t.l)^2) in float is NaN for about a quarter of the directions when t and l are parallel.
+// [KajiyaKay1989] as [Xu2006 eqs. 8-11] and [Scheuermann2004] use it. t: unit tangent towards the tip; n: unit normal
+// of the cluster surface, outward; l, v: unit vectors towards light and viewer. Deviations from the papers:
+// - Sines are |t x l|: sqrt(1 - (t.l)^2) in float is NaN for about a quarter of the directions when t and l are
+// parallel.
 // - Eq. 10 as printed, (t.l)(t.v) + sin sin, peaks where t is perpendicular to l - v: it is 1 everywhere when the light
-//   sits at the eye. A fibre reflects into the cone t.v = -t.l [Marschner2003], so the product has a minus sign here and
-//   the peak is where t is perpendicular to l + v, as in Scheuermann's half-vector form.
+//   sits at the eye. A fibre reflects into the cone t.v = -t.l [Marschner2003], so the product has a minus sign here
+//   and the peak is where t is perpendicular to l + v, as in Scheuermann's half-vector form.
 // - The base is clamped to [0, 1] before pow: negative bases have no real power; rounding may exceed 1.
 #pragma once
 

@@ -14,7 +14,8 @@ namespace {
 glm::mat3 light_frame(glm::vec3 to_light) {
   const float length = glm::length(to_light);
   if (!(length > 0.0F) || !std::isfinite(length)) {
-    throw InputError("light", "the direction has length " + std::to_string(length) + "; give a finite vector that is not zero");
+    throw InputError("light",
+                     "the direction has length " + std::to_string(length) + "; give a finite vector that is not zero");
   }
   const glm::vec3 x = -to_light / length;
   const glm::vec3 helper = std::abs(x.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
@@ -27,7 +28,8 @@ glm::mat3 light_frame(glm::vec3 to_light) {
 DensityMap::DensityMap(std::span<const Segment> segments, glm::vec3 to_light, float blocked_width_m, int resolution)
     : to_light_frame_(light_frame(to_light)) {
   fit_box(segments, resolution);
-  own_.assign(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z), 0.0F);
+  own_.assign(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z),
+              0.0F);
   for (const Segment& s : segments) {
     const glm::vec3 a = to_light_frame_ * s.a;
     const glm::vec3 step = to_light_frame_ * s.b - a;
@@ -112,7 +114,9 @@ float DensityMap::optical_depth(glm::vec3 p) const noexcept {
   return sum;
 }
 
-float DensityMap::transmittance(glm::vec3 p) const noexcept { return std::exp(-optical_depth(p)); }
+float DensityMap::transmittance(glm::vec3 p) const noexcept {
+  return std::exp(-optical_depth(p));
+}
 
 double DensityMap::deposited_area_m2() const noexcept {
   const double sum = std::accumulate(own_.begin(), own_.end(), 0.0);

@@ -1,10 +1,11 @@
-// Light-oriented density map [Bertails2005 section 2], in the corrected form of DESIGN section 6: how much light reaches a
-// point through the hair.
+// Light-oriented density map [Bertails2005 section 2], in the corrected form of DESIGN section 6: how much light
+// reaches a point through the hair.
 //
-// A box grid whose x axis runs along the light's travel; every segment deposits the area a D len sin(segment, light) that
-// it blocks, trilinearly; the running sum along x is optical depth. Depth is interpolated (trilinear, cell-centred), the
-// exponential taken at lookup. The grid is fitted to the hair, so nothing wraps and nothing folds. Outside the box a point
-// has the depth of the box's nearest border along the light: 0 before it, the column's total behind it, and 0 beside it.
+// A box grid whose x axis runs along the light's travel; every segment deposits the area a D len sin(segment, light)
+// that it blocks, trilinearly; the running sum along x is optical depth. Depth is interpolated (trilinear,
+// cell-centred), the exponential taken at lookup. The grid is fitted to the hair, so nothing wraps and nothing folds.
+// Outside the box a point has the depth of the box's nearest border along the light: 0 before it, the column's total
+// behind it, and 0 beside it.
 #pragma once
 
 #include <cstdint>
