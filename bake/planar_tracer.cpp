@@ -91,7 +91,7 @@ inline __attribute__((always_inline)) float lobe_power(float x, float p) {
 
 /// Column wrapped into [0, n): cell index and fraction.
 inline void wrap_column(float column, float n, float inv_n, std::int32_t& cell, float& fraction) {
-  // Columns are >= 0 (trace adds whole turns); the truncated quotient may be one off by rounding.
+  // Any sign; the truncated quotient may be one off by rounding.
   float x = column - n * static_cast<float>(static_cast<std::int32_t>(column * inv_n));
   x = x < 0 ? x + n : x;
   x = x >= n ? x - n : x;
@@ -270,14 +270,12 @@ void start(Rays& rays, int count, const RayAt& ray_at, int size, const BakeSetti
   }
   rays.steps = static_cast<int>(std::ceil(longest * 2 * size - kStepSlack));
   const auto n = static_cast<float>(size);
-  // Whole turns that keep columns positive on the way.
-  const float turns = std::ceil(static_cast<float>(longest)) + 1;
   for (int i = 0; i < count; ++i) {
     const auto step = static_cast<float>(length[i] / rays.steps);
     rays.scale[i] = static_cast<float>(settings.reference_scale) * step;
     rays.column_step[i] = -rays.view_s[i] * step * n;
     rays.row_step[i] = -rays.view_r[i] * step * n;
-    rays.column[i] = (ray_at(i).s + turns) * n - 0.5F + 0.5F * rays.column_step[i];
+    rays.column[i] = ray_at(i).s * n - 0.5F + 0.5F * rays.column_step[i];
     // Row 0 of the nodes is the extrapolated one below the grid.
     rays.row[i] = (rays.view_r[i] >= 0 ? n : 0.0F) + 0.5F + 0.5F * rays.row_step[i];
   }
