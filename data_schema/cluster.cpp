@@ -22,7 +22,6 @@ constexpr int kSamplesPerSpan = 32;
 constexpr double kMinLength_m = 1e-9;        // shorter centre lines have no direction in float
 constexpr double kMaxCurvature_per_m = 1e6;  // bounds the curvature of a cusp, infinite otherwise
 constexpr double kStandstill = 1e-9;         // |derivative| below this share of the line's size has no direction
-constexpr double kCos45 = 0.70710678118654752;
 
 dvec3 widen(const glm::vec3& v) {
   return dvec3(v);
@@ -122,14 +121,9 @@ dvec3 orthogonalised(const dvec3& v, const dvec3& t) {
   return length > 1e-6 * glm::length(v) && std::isfinite(length) ? w / length : any_perpendicular(t);
 }
 
-/// [Wang2008, Table I]: two reflections take (tangent, normal) along `chord` to the tangent `to`. A chord more than 45
-/// degrees off the tangents' bisector (a cusp between two samples) would twist the frame by more than it turns; the
-/// bisector itself gives the least rotation.
-dvec3 double_reflection(const dvec3& chord, const dvec3& from, const dvec3& normal, const dvec3& to) {
-  const dvec3 bisector = from + to;
-  const double c = glm::dot(chord, bisector);
-  const bool aligned = c > kCos45 * glm::length(chord) * glm::length(bisector);
-  const dvec3 v1 = aligned || glm::dot(bisector, bisector) < 1e-12 ? chord : bisector;
+/// [Wang2008, Table I]: two reflections take (tangent, normal) along the chord `v1` to the tangent `to`. Where the line
+/// turns on the spot the first reflection alone, or none, leaves the normal as it is.
+dvec3 double_reflection(const dvec3& v1, const dvec3& from, const dvec3& normal, const dvec3& to) {
   const double c1 = glm::dot(v1, v1);
   if (!(c1 > 0)) return orthogonalised(normal, to);
   const dvec3 n = normal - (2 * glm::dot(v1, normal) / c1) * v1;
