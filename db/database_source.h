@@ -60,14 +60,16 @@ class DatabaseSource final : public RecordSource {
 
  private:
   struct Catalogue;  // index and shift tables of the records
+  void keep_own(const SectorSet& sectors);
   void own_tau(std::size_t sector, const SatfAngles& angles, std::span<float> tau) const noexcept;
 
   std::shared_ptr<const RecordBank> bank_;
   LookupSettings settings_;
   std::unique_ptr<const Catalogue> catalogue_;
-  std::vector<Pick> picks_;    // [sector][neighbours]
-  std::vector<float> shifts_;  // [sector]
-  SectorSet own_;              // strands, for own_alpha
+  std::vector<Pick> picks_;      // [sector][neighbours]
+  std::vector<float> shifts_;    // [sector]
+  SectorSet own_;                // strands inside the sectors, for own_alpha
+  std::vector<float> own_mass_;  // of each: its share between r = 0 and r = 1
   std::atomic<std::uint64_t> searches_{0};
 };
 
