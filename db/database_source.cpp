@@ -19,7 +19,7 @@ constexpr int kMaxSamples = 256;
 constexpr int kCandidates = 4;                                             // nearest records tried per plate
 constexpr int kBeam = 16;                                                  // sequences kept per plate
 constexpr float kTriedShifts[] = {0, -0.0625F, 0.0625F, -0.125F, 0.125F};  // 0: as the search found it
-constexpr float kJumpWeight = 1.0F;
+constexpr float kJumpWeight = 0.3F;
 constexpr std::uint32_t kNobody = 0xFFFFFFFFU;
 
 using Pick = DatabaseSource::Pick;
