@@ -21,7 +21,7 @@ struct GroomSettings {
   std::uint64_t seed = 1;
   int vertices = 0;           // per strand, [4, 1000]; 0: 32, and 64 for curls
   float length_scale = 1.0F;  // of what hangs down, [0.2, 3]
-  HeadParameters head;
+  HeadParameters head{};
 };
 
 /// "straight", "wavy", "curly", "bob", "ponytail". @throws UsageError

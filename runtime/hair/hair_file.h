@@ -46,9 +46,9 @@ struct StrandIssue {
 struct ReadReport {
   std::string format;  // "HAIR", "TFX 4"
   std::size_t strands_in_file = 0;
-  std::vector<StrandIssue> issues;  // in order of strand
-  std::vector<std::string> notes;   // about the file as a whole, e.g. a thickness that was not believed
-  std::optional<float> opacity;     // of a fibre, in (0, 1], where the file says so
+  std::vector<StrandIssue> issues{};  // in order of strand
+  std::vector<std::string> notes{};   // about the file as a whole, e.g. a thickness that was not believed
+  std::optional<float> opacity{};     // of a fibre, in (0, 1], where the file says so
 
   std::size_t dropped() const noexcept;
   std::size_t repaired() const noexcept;

@@ -15,6 +15,7 @@ using glm::vec3;
 
 constexpr float kModelHeight_m = 0.24F;  // of the head as it is described below
 constexpr vec3 kBoxMin_m{-0.105F, -0.140F, -0.125F}, kBoxMax_m{0.105F, 0.130F, 0.125F};
+constexpr float kMeshCell_m = 0.0044F;  // at which surface nets give a manifold (some others pinch behind the ears)
 constexpr float kFieldCell_m = 0.004F;
 constexpr int kProjections = 4;  // Newton steps from the surface nets onto the surface
 
@@ -89,9 +90,6 @@ void check(const HeadParameters& head) {
   if (!(head.height_m > 0 && head.height_m <= 100)) {
     throw UsageError("head height " + std::to_string(head.height_m) + " m: give one above 0, at most 100");
   }
-  if (!(head.mesh_cell_m >= 0.001F && head.mesh_cell_m <= 0.01F)) {
-    throw UsageError("head mesh cell " + std::to_string(head.mesh_cell_m) + " m: give 0.001 to 0.01");
-  }
 }
 
 Grid grid_of(const HeadParameters& head, float cell_m) {
@@ -117,7 +115,7 @@ vec3 head_normal(const HeadParameters& head, vec3 p) noexcept {
 Mesh parametric_head(const HeadParameters& head) {
   check(head);
   const auto distance = [&](vec3 p) { return head_distance_m(head, p); };
-  Mesh mesh = surface_nets(grid_of(head, head.mesh_cell_m), distance);
+  Mesh mesh = surface_nets(grid_of(head, kMeshCell_m), distance);
   for (vec3& p : mesh.vertices) {
     for (int i = 0; i < kProjections; ++i) p -= 0.8F * distance(p) * head_normal(head, p);
     mesh.normals.push_back(head_normal(head, p));

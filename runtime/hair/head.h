@@ -12,8 +12,7 @@
 namespace pelage::hair {
 
 struct HeadParameters {
-  float height_m = 0.24F;       // crown to the cut of the neck, (0, 100]; everything scales with it
-  float mesh_cell_m = 0.0045F;  // edge length of the mesh's triangles, about, for a head of 0.24 m; scales too
+  float height_m = 0.24F;  // crown to the cut of the neck, (0, 100]; everything scales with it
 };
 
 /// Signed distance [m], negative inside.
@@ -22,11 +21,12 @@ float head_distance_m(const HeadParameters& head, glm::vec3 p) noexcept;
 /// Unit outward normal of the field at p (central differences).
 glm::vec3 head_normal(const HeadParameters& head, glm::vec3 p) noexcept;
 
-/// Closed, consistently oriented mesh of the surface. @throws UsageError for a height or cell out of range
+/// Closed, consistently oriented mesh of the surface. @throws UsageError for a height out of range
 Mesh parametric_head(const HeadParameters& head);
 
-/// The field sampled on a grid, for growing hair: one lookup gives distance and gradient (trilinear, error < 0.3 mm for
-/// the ears, less elsewhere). Beyond the grid the distance is that of the nearest grid point plus the way there.
+/// The field sampled on a grid, for growing hair: one lookup gives distance and gradient (trilinear; within 2 mm at
+/// the creases of ears and face, where it smooths them, and far closer on the skull). Beyond the grid the distance is
+/// that of the nearest grid point plus the way there.
 class HeadField {
  public:
   explicit HeadField(const HeadParameters& head);

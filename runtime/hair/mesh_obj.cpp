@@ -62,11 +62,11 @@ class ObjParser {
 
   float number(std::string_view word) const {
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    float value = 0;
+    double value = 0;  // wide enough that what does not fit is no position either
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error == std::errc::result_out_of_range && std::abs(value) < 1) return 0.0F;  // underflow
     if (error != std::errc{} || end != word.data() + word.size()) refuse("\"" + std::string(word) + "\" is no number");
-    return value;
+    if (!(std::abs(value) < 1e30)) refuse("\"" + std::string(word) + "\" is no position");
+    return static_cast<float>(value);
   }
 
   void parse_vertex(Words& words) {

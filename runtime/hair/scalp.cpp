@@ -1,5 +1,6 @@
 #include "pelage/hair/scalp.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 
@@ -65,14 +66,17 @@ std::vector<vec3> thin_out(const std::vector<vec3>& all, std::uint32_t count) {
 
 std::vector<vec3> directions(std::uint32_t count, const CounterRandom& random) {
   std::uint32_t total = 2 * count + 8;
-  for (;;) {
+  for (bool grew = false;;) {
     std::vector<vec3> inside = directions_inside(total, random);
     const auto found = static_cast<std::uint32_t>(inside.size());
-    if (found >= count && found - count <= count / 64 + 2) return thin_out(inside, count);
+
     const double wanted = found > 0 ? 1.008 * total * count / found : 2.0 * total;
     const auto next = static_cast<std::uint32_t>(wanted) + 2;
-    if (found >= count && next >= total) return thin_out(inside, count);  // a small count may never come that close
-    total = next;
+    const bool close = found >= count && found - count <= count / 64 + 2;
+    if (close || (found >= count && (grew || next >= total))) return thin_out(inside, count);
+    grew =
+        grew || found < count;  // then the first lattice that has enough is taken: a small count may never come close
+    total = found < count ? std::max(next, total + 1) : next;
   }
 }
 

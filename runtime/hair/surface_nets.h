@@ -1,6 +1,6 @@
 // Surface nets [Gibson1998, Constrained Elastic Surface Nets, without the relaxation]: one vertex per grid cell that
 // the surface crosses, at the mean of the crossings of its edges; one quad per crossed grid edge. Closed where the
-// field is positive on the grid's border.
+// field is positive on the grid's border; sheets closer than a cell may share an edge.
 #pragma once
 
 #include <functional>

@@ -1,0 +1,126 @@
+// OBJ: polygons, negative indices, hostile text; and the parametric head, which is written with it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <map>
+#include <random>
+
+#include "pelage/data_schema/errors.h"
+#include "pelage/hair/head.h"
+#include "pelage/hair/mesh_obj.h"
+
+namespace pelage::hair {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kQuad =
+    "# a square\r\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvt 0 0\nusemtl x\nf 1/1 2/1/1 3//1 4\nf -4 -3 -2\n";
+
+TEST(MeshObj, TriangulatesPolygonsAndCountsBackwards) {
+  const Mesh mesh = parse_obj(kQuad, "x.obj");
+  EXPECT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
+  for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(n.z, 1.0F, 1e-6F);
+}
+
+TEST(MeshObj, RefusesWithTheLine) {
+  const auto refuses = [](const std::string& line) {
+    EXPECT_THAT([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + line + "\nf 1 2 3\n", "x.obj"); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr("line 4")))
+        << line;
+  };
+  for (const char* bad :
+       {"f 1 2 4", "f 0 1 2", "f 1 2 -4", "f 1 2", "f", "f 1 2 99999999999999999999", "f a b c", "v 1 2", "v nan 0 0",
+        "v inf 0 0", "v 1e30 0 0", "v 1 2 x", "f 1 2 4294967297", "v 1e99 0 0"}) {
+    refuses(bad);
+  }
+  EXPECT_THROW(parse_obj("", "x.obj"), InputError);
+}
+
+TEST(MeshObj, SurvivesTruncationAndFlips) {
+  const std::string whole = kQuad;
+  std::mt19937 random(3);
+  const auto attempt = [](std::string_view text) {
+    try {
+      const Mesh mesh = parse_obj(text, "x.obj");
+      for (const glm::uvec3& t : mesh.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), mesh.vertices.size());
+    } catch (const InputError&) {
+    }
+  };
+  for (std::size_t n = 0; n < whole.size(); ++n) attempt(std::string_view(whole).substr(0, n));
+  for (int round = 0; round < 5000; ++round) {
+    std::string text = whole;
+    text[random() % text.size()] ^= static_cast<char>(1 << (random() % 8));
+    attempt(text);
+  }
+}
+
+TEST(MeshObj, WritesWhatItReads) {
+  const Mesh mesh = parametric_head({});
+  const fs::path file = fs::path(testing::TempDir()) / "pelage_head.obj";
+  write_obj(mesh, file);
+  const Mesh read = read_obj(file);
+  EXPECT_EQ(read.vertices, mesh.vertices);
+  EXPECT_EQ(read.triangles, mesh.triangles);
+  fs::remove(file);
+}
+
+TEST(MeshObj, ReadsTheSintelBust) {
+  const fs::path file = PELAGE_SOURCE_DIR "/../shared/data/sintel/sintel.obj";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  EXPECT_EQ(read_obj(file).vertices.size(), 3'046U);
+}
+
+TEST(Head, MeshIsClosedAndFacesOutwards) {
+  const Mesh mesh = parametric_head({});
+  EXPECT_GT(mesh.triangles.size(), 10'000U);
+  EXPECT_LT(mesh.triangles.size(), 20'000U);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  double volume_m3 = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    const glm::dvec3 a(mesh.vertices[t.x]), b(mesh.vertices[t.y]), c(mesh.vertices[t.z]);
+    volume_m3 += glm::dot(a, glm::cross(b, c)) / 6;
+  }
+  for (const auto& [edge, count] : edges) {  // each edge once in each direction
+    ASSERT_EQ(count, 1);
+    ASSERT_EQ(edges.count({edge.second, edge.first}), 1U);
+  }
+  EXPECT_GT(volume_m3, 3.0e-3);  // an adult's head and neck: 3 to 5 litres; positive: counter-clockwise outside
+  EXPECT_LT(volume_m3, 5.5e-3);
+}
+
+TEST(Head, VerticesLieOnTheFieldAndNormalsPointOut) {
+  const HeadParameters head;
+  const Mesh mesh = parametric_head(head);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    ASSERT_NEAR(head_distance_m(head, mesh.vertices[i]), 0.0F, 3e-4F);
+    ASSERT_NEAR(glm::length(mesh.normals[i]), 1.0F, 1e-5F);
+    ASSERT_GT(head_distance_m(head, mesh.vertices[i] + 1e-3F * mesh.normals[i]), 0.0F);
+  }
+}
+
+TEST(Head, ScalesAndRefusesNonsense) {
+  EXPECT_NEAR(head_distance_m({.height_m = 0.48F}, {0, 0.5F, 0}), 2 * head_distance_m({}, {0, 0.25F, 0}), 1e-6F);
+  for (const float bad : {0.0F, -1.0F, NAN, HUGE_VALF}) EXPECT_THROW(parametric_head({.height_m = bad}), UsageError);
+}
+
+TEST(Head, SampledFieldAgrees) {
+  const HeadField field{HeadParameters{}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> u(-0.1F, 0.1F);
+  for (int k = 0; k < 20'000; ++k) {
+    const glm::vec3 p{u(random), u(random), u(random)};
+    const float exact = head_distance_m({}, p);
+    if (std::abs(exact) < 0.01F) {
+      ASSERT_NEAR(field.sample(p).distance_m, exact, 2.0e-3F);
+    }
+  }
+  EXPECT_GT(field.sample({5, 5, 5}).distance_m, 4.0F);
+}
+
+}  // namespace
+}  // namespace pelage::hair
