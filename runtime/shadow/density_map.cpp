@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
 #include <numeric>
 
 #include "pelage/data_schema/errors.h"
@@ -23,10 +25,24 @@ glm::mat3 light_frame(glm::vec3 to_light) {
   return glm::transpose(glm::mat3(x, y, glm::cross(x, y)));
 }
 
+/// Beyond this squares of lengths in cells leave float; hair is metres away, not light seconds.
+constexpr float kFarthest_m = 1e9F;
+
+void check_finite(std::span<const Segment> segments) {
+  const auto near = [](glm::vec3 p) { return glm::all(glm::lessThanEqual(glm::abs(p), glm::vec3(kFarthest_m))); };
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (near(segments[i].a) && near(segments[i].b)) continue;
+    throw InputError("density map",
+                     "segment " + std::to_string(i) +
+                         " has a coordinate that is not finite or beyond 1e9 m; check the hair and its transforms");
+  }
+}
+
 }  // namespace
 
 DensityMap::DensityMap(std::span<const Segment> segments, glm::vec3 to_light, float blocked_width_m, int resolution)
     : to_light_frame_(light_frame(to_light)) {
+  check_finite(segments);
   fit_box(segments, resolution);
   own_.assign(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z),
               0.0F);
@@ -100,6 +116,7 @@ float DensityMap::at(int x, int y, int z) const noexcept {
 
 float DensityMap::optical_depth(glm::vec3 p) const noexcept {
   const glm::vec3 g = (to_light_frame_ * p - origin_) / cell_ - 0.5F;
+  if (std::isnan(g.x + g.y + g.z)) return std::numeric_limits<float>::quiet_NaN();
   // Bounded before the conversion to int: floor of a far point does not fit.
   const glm::vec3 bounded = glm::clamp(g, glm::vec3(-2.0F), glm::vec3(size_) + 1.0F);
   const glm::vec3 base = glm::floor(bounded);

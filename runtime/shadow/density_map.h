@@ -23,12 +23,13 @@ struct Segment {
 
 class DensityMap {
  public:
+  /// @param segments     each coordinate within 1e9 m (InputError otherwise)
   /// @param to_light     towards the light, any length > 0 (InputError otherwise)
   /// @param blocked_width_m  a D: width [m] that a fibre blocks when seen from the side
   /// @param resolution   cells along the longest side of the box, [1, 1024]
   DensityMap(std::span<const Segment> segments, glm::vec3 to_light, float blocked_width_m, int resolution);
 
-  /// Optical depth >= 0 between p and the light.
+  /// Optical depth >= 0 between p and the light; NaN where p is not finite (a caller's error stays visible).
   float optical_depth(glm::vec3 p) const noexcept;
   /// exp(-optical_depth), in [0, 1].
   float transmittance(glm::vec3 p) const noexcept;
