@@ -23,8 +23,8 @@ class RecordSource {
   RecordSource(const RecordSource&) = delete;
   RecordSource& operator=(const RecordSource&) = delete;
 
-  virtual int samples() const noexcept = 0;             ///< values along s per evaluation
-  virtual float reference_scale() const noexcept = 0;   ///< c0 of the optical depths
+  virtual int samples() const noexcept = 0;            ///< values along s per evaluation
+  virtual float reference_scale() const noexcept = 0;  ///< c0 of the optical depths
 
   /// Finds what the sectors need (features, search, coherent choice along tracks). Once per geometry, not per frame.
   virtual void attach(const SectorSet& sectors) = 0;

@@ -29,7 +29,8 @@ float s_of(float u, int sector, int n) {
   return 0.5F + 0.5F * du / spacing;
 }
 
-/// Where every strand crosses every plate: [plate][strand], empty outside the strand's t-range.
+/// Where every strand crosses every plate: [plate][strand], empty outside the strand's t-range. A strand also stands on
+/// the plate before its root: between plates it would otherwise fade in over the HSV of its root and bare the scalp.
 std::vector<std::vector<std::optional<Polar>>> crossings_of(const Cluster& cluster, const Division& division) {
   std::vector<std::vector<std::optional<Polar>>> at(static_cast<std::size_t>(division.plates) + 1);
   for (int i = 0; i <= division.plates; ++i) {
@@ -37,6 +38,13 @@ std::vector<std::vector<std::optional<Polar>>> crossings_of(const Cluster& clust
     plate.resize(cluster.strand_count());
     const float t = static_cast<float>(i) / static_cast<float>(division.plates);
     for (const Crossing& c : plate_crossings(cluster, t)) plate[c.strand] = polar(c.disk, division);
+  }
+  for (std::size_t strand = 0; strand < cluster.strand_count(); ++strand) {
+    if (cluster.strand(strand).empty()) continue;
+    const DiskPoint root = cluster.strand(strand).front();
+    const auto before = static_cast<std::size_t>(std::max(0.0F, std::floor(root.t * static_cast<float>(division.plates))));
+    if (before + 1 >= at.size() || !at[before + 1][strand] || at[before][strand]) continue;
+    at[before][strand] = polar({root.x, root.y}, division);
   }
   return at;
 }

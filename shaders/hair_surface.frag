@@ -26,6 +26,7 @@ uniform uint texels_per_light;
 uniform int rows;                     // plates + 1
 uniform int samples;                  // of a record along s
 uniform bool use_drift;
+uniform bool fade_ends;
 uniform vec3 eye;
 uniform HairMaterial material;
 uniform vec3 ambient;                 // unshadowed, times the diffuse colour [Bertails2005 section 3.3]
@@ -71,6 +72,12 @@ vec3 row_mean(MapInfo map, uint light, int row, float x, float footprint) {
   return sum / float(taps);
 }
 
+/// Open cluster ends fade, or they would show as cut tubes: the tip over one HSV, the root, which sits in the scalp, over
+/// a quarter of one.
+float end_fade(float plate) {
+  return fade_ends ? clamp(4.0 * plate, 0.0, 1.0) * clamp(float(rows - 1) - plate, 0.0, 1.0) : 1.0;
+}
+
 /// Mean drift of the HSV at this azimuth, in texels.
 float drift_at(MapInfo map, int row) {
   float k = at.x / float(map.width) * float(map.sectors) - 0.5;
@@ -102,7 +109,7 @@ void main() {
   for (int i = 0; i < light_count; ++i) {
     vec3 here = row_mean(map, uint(i), row, at.x - moved * along, footprint);
     vec3 next = row_mean(map, uint(i), row + 1, at.x + moved * (1.0 - along), footprint);
-    vec3 mean = mix(here, next, along);
+    vec3 mean = end_fade(at.y) * mix(here, next, along);
     alpha = mean.x;
     premultiplied += mean.z * hair_lighting(m, t, n, to_light[i], v) * light_colour[i];
   }

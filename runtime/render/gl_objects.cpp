@@ -40,19 +40,30 @@ std::string shader_text(std::string_view file) {
   return std::string(it->second);
 }
 
+struct ShaderSource {
+  std::string text;
+  std::string files;  // "0 = hair_surface.frag, 1 = common_lobes.glsl": what the compiler's source numbers mean
+};
+
 /// The file with its includes in place (one level; shared blocks include nothing) and the defines after #version.
-std::string resolved_text(std::string_view file, std::string_view defines) {
+/// Lines keep the numbers that they have in their files.
+ShaderSource resolved_source(std::string_view file, std::string_view defines) {
   std::istringstream in{shader_text(file)};
-  std::string out, line;
-  while (std::getline(in, line)) {
+  ShaderSource out{"", "0 = " + std::string(file)};
+  std::string line;
+  int included = 0;
+  for (int number = 1; std::getline(in, line); ++number) {
     constexpr std::string_view kInclude = "#include \"";
+    const std::string back = "#line " + std::to_string(number + 1) + " 0\n";
     if (line.starts_with(kInclude)) {
-      out += shader_text(std::string_view(line).substr(kInclude.size(), line.rfind('"') - kInclude.size()));
+      const std::string name = line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
+      const std::string index = std::to_string(++included);
+      out.files += ", " + index + " = " + name;
+      out.text += "#line 1 " + index + "\n" + shader_text(name) + "\n" + back;
     } else {
-      out += line;
+      out.text += line + "\n";
     }
-    out += '\n';
-    if (line.starts_with("#version")) out += std::string(defines) + "\n";
+    if (line.starts_with("#version")) out.text += std::string(defines) + "\n" + back;
   }
   return out;
 }
@@ -82,8 +93,8 @@ Program::Program(std::string_view compute) : id_(glCreateProgram()) {
 }
 
 void Program::attach(GLenum stage, std::string_view file, std::string_view defines) {
-  const std::string text = resolved_text(file, defines);
-  const char* const source = text.c_str();
+  const ShaderSource resolved = resolved_source(file, defines);
+  const char* const source = resolved.text.c_str();
   const GLuint shader = glCreateShader(stage);
   glShaderSource(shader, 1, &source, nullptr);
   glCompileShader(shader);
@@ -95,7 +106,8 @@ void Program::attach(GLenum stage, std::string_view file, std::string_view defin
     glDeleteShader(shader);
     glDeleteProgram(id_);
     throw GraphicsError("shaders/" + std::string(file) + " does not compile on " +
-                        reinterpret_cast<const char*>(glGetString(GL_RENDERER)) + ":\n" + log.data());
+                        reinterpret_cast<const char*>(glGetString(GL_RENDERER)) + " (sources: " + resolved.files +
+                        "):\n" + log.data());
   }
   glAttachShader(id_, shader);
   glDeleteShader(shader);

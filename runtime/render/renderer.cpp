@@ -203,6 +203,7 @@ void Renderer::draw_hair(const DrawRequest& request, bool lists) {
   glUniform1i(p.at("rows"), gl_->rows);
   glUniform1i(p.at("samples"), gl_->samples);
   glUniform1i(p.at("use_drift"), request.settings.drift ? 1 : 0);
+  glUniform1i(p.at("fade_ends"), request.settings.fade_ends ? 1 : 0);
   if (lists) {
     glUniform1ui(p.at("fragment_capacity"), static_cast<GLuint>(gl_->fragment_capacity));
     glUniform1ui(p.at("heads_width"), static_cast<GLuint>(gl_->target_width));

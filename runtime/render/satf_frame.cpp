@@ -12,9 +12,6 @@
 namespace pelage {
 namespace {
 
-/// Side of a tile in samples: bounds the memory of a frame whatever its size.
-constexpr int kTileSamples = 2048;
-
 bool same_shadows(const FrameSettings& a, const FrameSettings& b) {
   const SatfSettings &s = a.satf, &t = b.satf;
   return a.lights == b.lights && s.self_shadow == t.self_shadow && s.global_shadow == t.global_shadow &&
@@ -23,8 +20,7 @@ bool same_shadows(const FrameSettings& a, const FrameSettings& b) {
 
 bool same_maps(const FrameSettings& a, const FrameSettings& b) {
   const SatfSettings &s = a.satf, &t = b.satf;
-  return same_shadows(a, b) && a.camera.eye == b.camera.eye && s.fade_ends == t.fade_ends &&
-         s.self_shadow_strength == t.self_shadow_strength;
+  return same_shadows(a, b) && a.camera.eye == b.camera.eye && s.self_shadow_strength == t.self_shadow_strength;
 }
 
 bool same_order(const FrameSettings& a, const FrameSettings& b) {
@@ -138,12 +134,12 @@ void SatfFrame::show(const FrameSettings& frame, int width, int height, float ex
   renderer_.present(*window_target_, exposure, background);
 }
 
-Image SatfFrame::render(const FrameSettings& frame, int width, int height, int supersampling) {
+Image SatfFrame::render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples) {
   if (last_) ledger_.begin_frame();
   update(frame);
   Image image(width, height);
   const DrawRequest whole = request_of(frame, static_cast<float>(width) / static_cast<float>(height));
-  const int side = std::max(1, kTileSamples / supersampling);
+  const int side = std::max(1, tile_samples / supersampling);
   const int w = std::min(width, side), h = std::min(height, side);
   Framebuffer target(w * supersampling, h * supersampling, GL_RGBA16F, true);
   for (int y = 0; y < height; y += h) {

@@ -20,6 +20,9 @@
 
 namespace pelage {
 
+/// Side of a tile in samples: bounds the memory of a frame whatever its size.
+inline constexpr int kTileSamples = 2048;
+
 /// Everything that may change from frame to frame.
 struct FrameSettings {
   Camera camera;
@@ -35,7 +38,7 @@ class SatfFrame {
   ~SatfFrame();
 
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
-  Image render(const FrameSettings& frame, int width, int height, int supersampling);
+  Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples);
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
   void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 

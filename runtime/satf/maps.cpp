@@ -80,11 +80,6 @@ float paper_transmittance(const SatfModel& model, const std::vector<std::vector<
   return exp_neg(strength * sum);
 }
 
-/// Cluster ends fade over one HSV: an open end would show as a cut tube.
-float end_fade(int plate, int plates) noexcept {
-  return plate == 0 || plate == plates ? 0.0F : 1.0F;
-}
-
 struct InstanceScratch {
   RingScratch ring;
   std::vector<std::vector<float>> alpha, re;  // [layer][x]
@@ -99,7 +94,6 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
   const PlateDirection view =
       plate_direction(frame, swept.cross_sections[row], glm::normalize(request.eye - frame.position));
   const PlateDirection light = plate_direction(frame, swept.cross_sections[row], request.to_light);
-  const float fade = request.settings.fade_ends ? end_fade(plate, model.division.plates) : 1.0F;
   for (int j = 0; j < model.division.layers; ++j) {
     const auto layer = static_cast<std::size_t>(j);
     auto& alpha = scratch.alpha[layer];
@@ -107,7 +101,7 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
     alpha.resize(static_cast<std::size_t>(model.layout.widths[layer]));
     re.resize(alpha.size());
     ring_depth(model, source, instance, j, plate, view, light, request.settings.curvature, scratch.ring, alpha, re);
-    for (float& a : alpha) a = fade * (1.0F - exp_neg(a));
+    for (float& a : alpha) a = 1.0F - exp_neg(a);
   }
   for (int j = 0; j < model.division.layers; ++j) {
     const auto layer = static_cast<std::size_t>(j);

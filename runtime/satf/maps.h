@@ -26,7 +26,7 @@ struct TexelValues {
 Texel pack_texel(const TexelValues& v) noexcept;
 TexelValues unpack_texel(Texel t) noexcept;
 
-/// Whether the ends of a cluster fade, the ring's curvature counts, and so on: the part of SatfSettings maps depend on.
+/// What maps depend on besides the model.
 struct MapRequest {
   glm::vec3 eye{0, 0, 1};       // metres
   glm::vec3 to_light{0, 1, 0};  // unit
