@@ -55,7 +55,6 @@ Features seed_centres(const Features& features, int clusters, std::uint64_t seed
   std::vector<float> distance(features.rows(), 1.0F);
   Features centres{dims, {}};
   for (int k = 0; k < clusters; ++k) {
-    if (std::none_of(distance.begin(), distance.end(), [](float d) { return d > 0; })) break;
     const float* centre = features.row(pick(distance, uniform(seed, static_cast<std::uint32_t>(k))));
     centres.values.insert(centres.values.end(), centre, centre + dims);
     for_rows(features.rows(), [&](std::size_t i) {

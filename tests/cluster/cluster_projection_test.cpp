@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "test_clusters.h"
 
 namespace pelage::hair {
@@ -41,17 +43,20 @@ TEST(Projection, GoesOnStraightBeyondTheEnds) {
   EXPECT_NEAR(points[2].t, 1.2, 1e-5);
 }
 
-/// On a narrow U the two legs are close: a strand down the left leg and up the right one must not jump across.
-TEST(Projection, FollowsItsOwnLegOfAHairpin) {
+/// On a narrow U a strand of the left leg that drifts nearer to the right one must not jump across.
+TEST(Projection, StaysOnItsLegOfAHairpin) {
   const std::vector<glm::vec3> u{{0, 0, 0},       {0, -.1F, 0},    {0, -.2F, 0}, {.005F, -.21F, 0},
                                  {.01F, -.2F, 0}, {.01F, -.1F, 0}, {.01F, 0, 0}};
   const CentreLine line(u, {0, 0, 1});
   std::vector<glm::vec3> strand;
-  for (int i = 0; i <= 60; ++i) strand.push_back(line.frame(i / 60.0).position + glm::vec3(.002F, 0, 0));
+  for (int i = 0; i <= 20; ++i) {
+    const float drift = .0007F * static_cast<float>(std::min(i, 10));
+    strand.push_back(line.frame(0.05 + 0.015 * i).position + glm::vec3(drift, 0, 0));
+  }
   const std::vector<PlanePoint> points = Projector(line).project(strand);
-  EXPECT_LT(points.front().t, 0.05);
-  EXPECT_GT(points.back().t, 0.95);
-  EXPECT_GE(increasing_part(points, strand).size(), 55U);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(points[i].t, 0.05 + 0.015 * static_cast<double>(i), 0.01) << i;
+  }
 }
 
 PlanePoint at(double t, std::uint32_t vertex) {
