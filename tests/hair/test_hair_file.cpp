@@ -163,6 +163,8 @@ TEST(HairFile, HugeCountsAreRefusedWithoutAllocating) {
     Bytes both = test::small_tfx();  // the product passes 2^64 when multiplied by 16
     put(both, 4, n);
     put(both, 8, n);
+    put(both, 24, std::uint32_t{0});  // no other array that would be refused first
+    put(both, 28, std::uint32_t{0});
     EXPECT_NE(refusal(both, {}, "x.tfx"), "accepted");
   }
 }
