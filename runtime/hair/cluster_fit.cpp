@@ -228,7 +228,7 @@ std::vector<glm::vec3> extended(const CentreLine& line, Range range, std::size_t
     const double beyond_m = (t - std::clamp(t, 0.0, 1.0)) * line.length_m();
     samples.push_back({x, glm::dvec3(f.position) + beyond_m * glm::dvec3(f.tangent), 1.0});
   }
-  return fit_curve(samples, {}, controls, 0.0);
+  return fit_curve(samples, {}, controls, kSmoothings[0]);
 }
 
 void set_line(const Strands& strands, Draft& draft, std::vector<glm::vec3> control) {
