@@ -119,8 +119,10 @@ void remark_up_axis(const Strands& strands, HairFacts& facts) {
   fall /= static_cast<double>(strands.count()) * std::max(facts.length_m.mean, 1e-30);
   constexpr double kClear = 0.6;  // share of the length that strands fall on average before we say so
   if (fall.y > 0.25 * kClear) return;
-  if (fall.z > kClear) facts.remarks.push_back("the strands hang along -Z: probably Z is up; try --up z");
-  if (fall.x > kClear) facts.remarks.push_back("the strands hang along -X: probably X is up; try --up x");
+  if (fall.z > kClear)
+    facts.remarks.push_back("the strands run along -Z, not down: if Z is up in this file, give --up z");
+  if (fall.x > kClear)
+    facts.remarks.push_back("the strands run along -X, not down: if X is up in this file, give --up x");
 }
 
 std::string name_indices(const std::vector<std::size_t>& indices) {
