@@ -27,6 +27,12 @@ bool same_order(const FrameSettings& a, const FrameSettings& b) {
   return a.camera.eye == b.camera.eye && a.satf.draw_order == b.satf.draw_order;
 }
 
+/// Alpha comes with the maps of a light: a scene without one gets a light that is off, so that hair is black, not gone.
+FrameSettings with_light(FrameSettings frame) {
+  if (frame.lights.empty()) frame.lights.emplace_back().intensity = 0.0F;
+  return frame;
+}
+
 /// Maps the part (x0, y0, w, h) of a picture of W x H pixels (row 0 at the top) to the whole of clip space.
 glm::mat4 tile_matrix(int x0, int y0, int w, int h, int W, int H) {
   const auto f = [](int v) { return static_cast<float>(v); };
@@ -123,7 +129,9 @@ DrawRequest SatfFrame::request_of(const FrameSettings& frame, float aspect) cons
   return {world_to_clip(frame.camera, bounds_, aspect), frame.camera.eye, frame.lights, frame.material, frame.satf};
 }
 
-void SatfFrame::show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background) {
+void SatfFrame::show(const FrameSettings& settings, int width, int height, float exposure,
+                     const glm::vec3& background) {
+  const FrameSettings frame = with_light(settings);
   ledger_.begin_frame();
   update(frame);
   auto stage = ledger_.run("draw");
@@ -134,7 +142,8 @@ void SatfFrame::show(const FrameSettings& frame, int width, int height, float ex
   renderer_.present(*window_target_, exposure, background);
 }
 
-Image SatfFrame::render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples) {
+Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples) {
+  const FrameSettings frame = with_light(settings);
   if (last_) ledger_.begin_frame();
   update(frame);
   Image image(width, height);
