@@ -175,6 +175,7 @@ TEST(HairstyleJson, PackedStrandsThatLieAreRefused) {
   EXPECT_EQ(message("AgAAAA==", two_points), "nothing was thrown");
   EXPECT_THAT(message("AwAAAA==", two_points), HasSubstr("disagree: 2 points are there"));
   EXPECT_THAT(message("/////w==", two_points), HasSubstr("disagree"));
+  EXPECT_THAT(message("AgAAAA==", two_points + two_points), HasSubstr("disagree: 4 points are there"));
   EXPECT_THAT(message("AQAAAAEAAAA=", two_points), HasSubstr("strand 0: has fewer than 2 points"));
   EXPECT_THAT(message("AgAA", two_points), HasSubstr("no multiple of 4"));
   EXPECT_THAT(message("AgAAAA==", "AAAA"), HasSubstr("no multiple of 12"));
