@@ -1,4 +1,4 @@
-# Installs the boxes, their headers, the programs, and the package files that find_package(Pelage) reads.
+# Installs the boxes, their headers and the package files that find_package(Pelage) reads.
 # An engine links pelage::runtime (or single boxes) and needs of the programs' libraries only what these link.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Pelage)
@@ -22,12 +22,6 @@ endforeach()
 install(DIRECTORY data_schema/schemas data_schema/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/pelage)
 install(FILES data_schema/SCHEMA.md data_schema/hrir.sql
         DESTINATION ${CMAKE_INSTALL_DATADIR}/pelage)
-foreach(program pelage pelage-bake)
-  if(TARGET ${program})
-    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  endif()
-endforeach()
-
 install(EXPORT PelageTargets NAMESPACE pelage:: DESTINATION ${package_folder})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/PelageConfig.cmake.in ${PROJECT_BINARY_DIR}/PelageConfig.cmake
                               INSTALL_DESTINATION ${package_folder})

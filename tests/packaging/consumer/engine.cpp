@@ -2,4 +2,6 @@
 #include <pelage/data_schema/scene.h>
 #include <pelage/satf/model.h>
 
-int main() { return pelage::material_preset("red").name == "red" ? 0 : 1; }
+int main() {
+  return pelage::material_preset("red").name == "red" ? 0 : 1;
+}
