@@ -103,9 +103,11 @@ TEST_F(Frame, CameraInsideAClusterSeesItFromWithin) {
   }
 }
 
-TEST_F(Frame, LooksAlongTheAxisWithoutAJump) {
-  // Hard case 14: azimuths are undefined along the axis; around it the picture moves no more than elsewhere.
-  const auto frame = frame_of(test::straight_lock());
+/// Hard case 14: azimuths are undefined along the axis; around it the picture moves no more than elsewhere.
+void expect_no_jump_along_the_axis(const CrossSection& section) {
+  Hairstyle style = test::straight_lock();
+  style.clusters[0].cross_sections.assign(4, section);
+  const auto frame = frame_of(style);
   FrameSettings settings = front_view();
   settings.camera.up = {0, 0, -1};
   settings.camera.fov_deg = 8;
@@ -125,6 +127,16 @@ TEST_F(Frame, LooksAlongTheAxisWithoutAJump) {
   std::printf("eye 1 mm, 0.1 mm, 1 um beside the axis: rms change %.2g, %.2g, %.2g\n", far, near, nearest);
   EXPECT_LT(near, 0.25 * far);
   EXPECT_LT(nearest, 1e-4);
+}
+
+TEST_F(Frame, LooksAlongTheAxisOfARoundClusterWithoutAJump) {
+  expect_no_jump_along_the_axis({.009F, 0, .009F});
+}
+
+// Fails (rms 6e-3 for 1 um): PlateDirection::stretch keeps the azimuth of rounding noise where planar is 0; build_maps
+// has to blend it with its mean over azimuths, as it does with the factors.
+TEST_F(Frame, DISABLED_LooksAlongTheAxisOfAFlatClusterWithoutAJump) {
+  expect_no_jump_along_the_axis(cross_section({.010F, .006F, .3F}));
 }
 
 TEST_F(Frame, LightAlongTheAxisWithoutAJump) {
