@@ -12,6 +12,7 @@ struct MapInfo {
   uint first_drift;  // of the layer's first track
   uint sectors;      // around
   vec4 colour;       // of the cluster; a = 0: the material's
+  vec4 ring;         // inner and outer radius v, width and height of a sector, in disk coordinates
 };
 
 layout(std430, binding = 0) readonly buffer Texels { uint texels[]; };       // [light][texel], see satf/maps.h
@@ -27,6 +28,8 @@ uniform int rows;                     // plates + 1
 uniform int samples;                  // of a record along s
 uniform bool use_drift;
 uniform bool fade_ends;
+uniform bool use_curvature;
+uniform float max_path;               // longest march of a record, in heights of a sector
 uniform vec3 eye;
 uniform HairMaterial material;
 uniform vec3 ambient;                 // unshadowed, times the diffuse colour [Bertails2005 section 3.3]
@@ -35,6 +38,7 @@ in vec3 world;
 in vec3 world_tangent;
 in vec3 world_normal;
 in vec2 at;
+in vec3 view_in_disk;
 flat in uint map_of;
 
 #ifdef PELAGE_PER_PIXEL_LISTS
@@ -88,6 +92,18 @@ float drift_at(MapInfo map, int row) {
   return mix(d0, d1, fract(k)) * float(samples);
 }
 
+/// Chord of the curved ring over the path in a flat slab; twin of satf/plate_direction.cpp.
+float chord_ratio(vec4 ring, float cos_t) {
+  float inner = ring.x, outer = ring.y;
+  float abs_cos = abs(cos_t), sin2 = max(0.0, 1.0 - cos_t * cos_t);
+  float metric = sqrt(sin2 / (ring.z * ring.z) + (abs_cos * abs_cos) / (ring.w * ring.w));
+  float to_inner = inner * inner - outer * outer * sin2;
+  float front = to_inner > 0.0 ? outer * abs_cos - sqrt(to_inner) : 2.0 * outer * abs_cos;
+  float back = sqrt(max(outer * outer - inner * inner * sin2, 0.0)) - inner * abs_cos;
+  float slab = min(ring.w / max(abs_cos, 1e-6), max_path / metric);
+  return (cos_t >= 0.0 ? front : back) / slab;
+}
+
 void main() {
   MapInfo map = maps[map_of];
   int row = clamp(int(floor(at.y)), 0, rows - 2);
@@ -115,6 +131,12 @@ void main() {
   }
   premultiplied += alpha * ambient * m.diffuse.rgb;
   if (alpha < 1.0 / 2048.0) discard;
+  if (use_curvature) {
+    float cos_t = view_in_disk.x / max(length(view_in_disk.xy), 1e-6);
+    float curved = 1.0 - pow(max(1.0 - alpha, 0.0), 1.0 + view_in_disk.z * (chord_ratio(map.ring, cos_t) - 1.0));
+    premultiplied *= curved / alpha;
+    alpha = curved;
+  }
 
 #ifdef PELAGE_PER_PIXEL_LISTS
   uint slot = atomicAdd(fragment_count, 1u);

@@ -47,6 +47,7 @@ void add_surface(const SatfModel& model, std::size_t instance, int layer, float 
       v.map_at = {share * width, static_cast<float>(i)};
       v.map_id = static_cast<std::uint32_t>(instance * static_cast<std::size_t>(model.division.layers) +
                                             static_cast<std::size_t>(layer));
+      v.azimuth = disk / radius;
       out.push_back(v);
     }
   }

@@ -23,6 +23,7 @@ struct SurfaceVertex {
   glm::vec3 normal;      // outward, unit
   glm::vec2 map_at;      // texel around (unwrapped), plate
   std::uint32_t map_id;  // instance * layers + layer
+  glm::vec2 azimuth;     // cos and sin of u
 };
 
 struct Patch {

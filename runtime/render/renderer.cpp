@@ -21,7 +21,7 @@ constexpr std::size_t kFirstCapacity = 2'000'000;
 /// Mirrors MapInfo of hair_surface.frag (std430).
 struct MapInfo {
   std::uint32_t first_texel, width, first_drift, sectors;
-  glm::vec4 colour;
+  glm::vec4 colour, ring;
 };
 
 std::vector<MapInfo> map_infos(const SatfModel& model, std::span<const Cluster> clusters) {
@@ -29,11 +29,13 @@ std::vector<MapInfo> map_infos(const SatfModel& model, std::span<const Cluster> 
   for (std::size_t i = 0; i < model.instances.size(); ++i) {
     const glm::vec3 colour = clusters[model.instances[i].cluster].colour;
     for (int j = 0; j < model.division.layers; ++j) {
+      const RingShape ring = ring_shape(model.division, j);
       infos.push_back({static_cast<std::uint32_t>(model.layout.texel(i, j, 0)),
                        static_cast<std::uint32_t>(model.layout.widths[static_cast<std::size_t>(j)]),
                        static_cast<std::uint32_t>(model.track(i, j, 0)),
                        static_cast<std::uint32_t>(sectors_in_layer(model.division, j)),
-                       colour.r >= 0.0F ? glm::vec4(colour, 1.0F) : glm::vec4(0.0F)});
+                       colour.r >= 0.0F ? glm::vec4(colour, 1.0F) : glm::vec4(0.0F),
+                       glm::vec4(ring.inner, ring.outer, ring.width, ring.height)});
     }
   }
   return infos;
@@ -84,13 +86,14 @@ struct Renderer::Resources {
   Program present{"screen.vert", "present.frag"};
 
   VertexArray hair_array, head_array, screen_array;
-  Buffer hair_vertices, hair_indices, texels, maps, drift;
+  Buffer hair_vertices, hair_indices, texels, maps, drift, views;
   Buffer head_vertices, head_indices, head_shadow;
   Buffer fragments, heads;
 
   std::size_t hair_index_count = 0, head_index_count = 0;
   std::size_t texels_per_light = 0, fragment_capacity = 0;
-  int rows = 2, samples = 4, target_width = 0;
+  int rows = 2, samples = 4, layers = 1, target_width = 0;
+  float max_path = 4;
 };
 
 Renderer::Renderer() : gl_(std::make_unique<Resources>()) {
@@ -129,12 +132,15 @@ void Renderer::set_hair(const HairSurfaces& surfaces, const SatfModel& model, st
   glEnableVertexAttribArray(4);
   glVertexAttribIPointer(4, 1, GL_UNSIGNED_INT, sizeof(SurfaceVertex),
                          reinterpret_cast<const void*>(offsetof(SurfaceVertex, map_id)));
+  attribute(5, 2, sizeof(SurfaceVertex), offsetof(SurfaceVertex, azimuth));
   const std::vector<MapInfo> infos = map_infos(model, clusters);
   gl_->maps.upload(GL_SHADER_STORAGE_BUFFER, std::span<const MapInfo>(infos), GL_STATIC_DRAW);
   gl_->drift.upload(GL_SHADER_STORAGE_BUFFER, std::span<const float>(model.sectors.drift), GL_STATIC_DRAW);
   gl_->texels_per_light = model.texels();
   gl_->rows = model.layout.rows;
   gl_->samples = model.samples;
+  gl_->layers = model.division.layers;
+  gl_->max_path = model.max_path;
 }
 
 void Renderer::set_texels(std::span<const Texel> texels) {
@@ -145,6 +151,10 @@ void Renderer::set_texels(std::span<const Texel> texels) {
                         std::to_string(most >> 20) + ": use fewer clusters, layers, sectors, plates or lights");
   }
   gl_->texels.upload(GL_SHADER_STORAGE_BUFFER, texels, GL_STREAM_DRAW);
+}
+
+void Renderer::set_views(std::span<const glm::vec3> views) {
+  gl_->views.upload(GL_SHADER_STORAGE_BUFFER, views, GL_STREAM_DRAW);
 }
 
 void Renderer::set_order(std::span<const std::uint32_t> indices) {
@@ -203,6 +213,10 @@ void Renderer::draw_hair(const DrawRequest& request, bool lists) {
   glUniform1i(p.at("rows"), gl_->rows);
   glUniform1i(p.at("samples"), gl_->samples);
   glUniform1i(p.at("use_drift"), request.settings.drift ? 1 : 0);
+  glUniform1i(p.at("use_curvature"), request.settings.curvature ? 1 : 0);
+  glUniform1f(p.at("max_path"), gl_->max_path);
+  glUniform1ui(p.at("layers"), static_cast<GLuint>(gl_->layers));
+  glUniform1ui(p.at("plates_per_instance"), static_cast<GLuint>(gl_->rows));
   glUniform1i(p.at("fade_ends"), request.settings.fade_ends ? 1 : 0);
   if (lists) {
     glUniform1ui(p.at("fragment_capacity"), static_cast<GLuint>(gl_->fragment_capacity));
@@ -213,6 +227,7 @@ void Renderer::draw_hair(const DrawRequest& request, bool lists) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, gl_->texels.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, gl_->maps.id());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gl_->drift.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, gl_->views.id());
   glBindVertexArray(gl_->hair_array.id());
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(gl_->hair_index_count), GL_UNSIGNED_INT, nullptr);
 }

@@ -44,6 +44,8 @@ class Renderer {
   void set_hair(const HairSurfaces& surfaces, const SatfModel& model, std::span<const Cluster> clusters);
   /// [light][texel]
   void set_texels(std::span<const Texel> texels);
+  /// plate_views() of the viewer that the texels were built for.
+  void set_views(std::span<const glm::vec3> views);
   void set_order(std::span<const std::uint32_t> indices);
 
   /// Draws head and hair, premultiplied, over transparent black. The target keeps its content elsewhere.

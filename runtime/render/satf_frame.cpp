@@ -115,6 +115,7 @@ void SatfFrame::update_maps(const FrameSettings& frame) {
   }
   auto stage = ledger_.run("upload");
   renderer_.set_texels(texels_);
+  renderer_.set_views(plate_views(model_, frame.camera.eye));
   stage.bytes(texels_.size() * sizeof(Texel));
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -35,11 +36,14 @@ void fold_padding(std::span<float> padded, std::size_t width, std::size_t pad) n
   for (std::size_t x = 0; x < pad; ++x) padded[pad + x] += padded[pad + width + x];
 }
 
+/// Linear in s through the true angles at s = 1/4 and 3/4, between which a sector's window has most of its weight: the
+/// chord through s = 0 and 1 overestimates the path of oblique rays by up to 40 %.
 SatfAngles sector_angles(const RingShape& ring, int sector, const PlateDirection& d, float light_minus_view) noexcept {
   const float spacing = 2.0F * kPi / static_cast<float>(ring.sectors);
   const float centre = (static_cast<float>(sector) + 0.5F) * spacing;
-  const float first = warp_angle(ring, d.phi - (centre - spacing));
-  const float last = warp_angle(ring, d.phi - (centre + spacing));
+  const float low = warp_angle(ring, d.phi - centre + 0.5F * spacing);
+  const float high = warp_angle(ring, d.phi - centre - 0.5F * spacing);
+  const float first = 1.5F * low - 0.5F * high, last = 1.5F * high - 0.5F * low;
   return {first, last, first + light_minus_view, last + light_minus_view};
 }
 
@@ -100,7 +104,7 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
     auto& re = scratch.re[layer];
     alpha.resize(static_cast<std::size_t>(model.layout.widths[layer]));
     re.resize(alpha.size());
-    ring_depth(model, source, instance, j, plate, view, light, request.settings.curvature, scratch.ring, alpha, re);
+    ring_depth(model, source, instance, j, plate, view, light, false, scratch.ring, alpha, re);
     for (float& a : alpha) a = 1.0F - exp_neg(a);
   }
   for (int j = 0; j < model.division.layers; ++j) {
@@ -191,6 +195,72 @@ void build_maps(const SatfModel& model, const RecordSource& source, const MapReq
       }
     }
   });
+}
+
+namespace {
+
+/// alpha, alpha re, alpha re transmittance at texel coordinate x of a row, linear between texel centres.
+glm::vec3 sample_row(std::span<const Texel> texels, std::size_t first, int width, float x) noexcept {
+  const float base = std::floor(x - 0.5F);
+  const auto texel = [&](int i) {
+    const TexelValues v = unpack_texel(texels[first + static_cast<std::size_t>(((i % width) + width) % width)]);
+    return glm::vec3(v.alpha, v.alpha * v.re, v.alpha * v.re * v.transmittance);
+  };
+  const auto i = static_cast<int>(base);
+  return glm::mix(texel(i), texel(i + 1), x - 0.5F - base);
+}
+
+/// Mean drift of an HSV at texel coordinate x, in texels.
+float drift_at(const SatfModel& model, std::size_t instance, int layer, int plate, float x) noexcept {
+  const int n = sectors_in_layer(model.division, layer);
+  const float k =
+      x / static_cast<float>(model.layout.widths[static_cast<std::size_t>(layer)]) * static_cast<float>(n) - 0.5F;
+  const auto drift = [&](int sector) {
+    return model.sectors.drift[model.track(instance, layer, ((sector % n) + n) % n) + static_cast<std::size_t>(plate)];
+  };
+  const auto k0 = static_cast<int>(std::floor(k));
+  return std::lerp(drift(k0), drift(k0 + 1), k - std::floor(k)) * static_cast<float>(model.samples);
+}
+
+}  // namespace
+
+std::vector<glm::vec3> plate_views(const SatfModel& model, glm::vec3 eye) {
+  std::vector<glm::vec3> views;
+  for (const Instance& instance : model.instances) {
+    for (std::size_t i = 0; i < instance.swept.frames.size(); ++i) {
+      const Frame& frame = instance.swept.frames[i];
+      const PlateDirection d =
+          plate_direction(frame, instance.swept.cross_sections[i], glm::normalize(eye - frame.position));
+      views.emplace_back(d.disk, azimuth_weight(d.planar));
+    }
+  }
+  return views;
+}
+
+float curved_alpha(float slab_alpha, const RingShape& ring, float cos_t, float trust, float max_path) noexcept {
+  const float exponent = 1.0F + trust * (chord_ratio(ring, cos_t, max_path) - 1.0F);
+  return 1.0F - std::pow(1.0F - slab_alpha, exponent);
+}
+
+TexelValues sample_map(const SatfModel& model, std::span<const Texel> texels, std::size_t instance, int layer, float x,
+                       float at, bool use_drift, std::span<const glm::vec3> views) noexcept {
+  const int row = std::clamp(static_cast<int>(std::floor(at)), 0, model.layout.rows - 2);
+  const float along = std::clamp(at - static_cast<float>(row), 0.0F, 1.0F);
+  const float moved = use_drift ? drift_at(model, instance, layer, row, x) : 0.0F;
+  const int width = model.layout.widths[static_cast<std::size_t>(layer)];
+  const glm::vec3 here = sample_row(texels, model.layout.texel(instance, layer, row), width, x - moved * along);
+  const glm::vec3 next =
+      sample_row(texels, model.layout.texel(instance, layer, row + 1), width, x + moved * (1 - along));
+  const glm::vec3 mean = glm::mix(here, next, along);
+  TexelValues values{mean.x, mean.x > 0 ? mean.y / mean.x : 1.0F, mean.y > 0 ? mean.z / mean.y : 1.0F};
+  if (!views.empty()) {
+    const std::size_t first = instance * static_cast<std::size_t>(model.layout.rows) + static_cast<std::size_t>(row);
+    const glm::vec3 view = glm::mix(views[first], views[first + 1], along);
+    const float u = 2.0F * kPi * x / static_cast<float>(width);
+    const float cos_t = (view.x * std::cos(u) + view.y * std::sin(u)) / std::max(std::hypot(view.x, view.y), 1e-6F);
+    values.alpha = curved_alpha(values.alpha, ring_shape(model.division, layer), cos_t, view.z, model.max_path);
+  }
+  return values;
 }
 
 }  // namespace pelage

@@ -3,7 +3,8 @@
 //
 // A row of a map is a plate. Within a plate the view angle is linear in u, so maps show no facets; neighbouring sectors
 // overlap by half and are blended by optical depth, so they show no seams. Between plates the shader interpolates rows,
-// moved by the HSV's mean drift.
+// moved by the HSV's mean drift. Alpha in the map is that of a flat slab: the chord of the curved ring, which stands
+// still while strands drift, comes in where the map is read (otherwise its kinks would be smeared once per HSV: beads).
 #pragma once
 
 #include <cstdint>
@@ -52,5 +53,17 @@ float mass_per_area(const SatfModel& model, const CrossSection& s, const RingSha
 /// SelfShadow::paper, from eq. 12 over the alpha-maps just built. Parallel; the same bytes for any number of threads.
 void build_maps(const SatfModel& model, const RecordSource& source, const MapRequest& request,
                 std::span<const std::uint16_t> shadows, std::span<Texel> texels);
+
+/// The view as each plate sees it: cos and sin of phi, and azimuth_weight. [instance][plate]
+std::vector<glm::vec3> plate_views(const SatfModel& model, glm::vec3 eye);
+
+/// Alpha of the curved ring from that of the slab.
+float curved_alpha(float slab_alpha, const RingShape& ring, float cos_t, float trust, float max_path) noexcept;
+
+/// What the shader sees of one layer at texel coordinate x and plate coordinate `at` (both fractional): rows moved by
+/// the HSV's mean drift, then interpolated [eq. 7], then curved if `views` is not empty. CPU twin of
+/// shaders/hair_surface.frag, without its footprint and fades.
+TexelValues sample_map(const SatfModel& model, std::span<const Texel> texels, std::size_t instance, int layer, float x,
+                       float at, bool use_drift, std::span<const glm::vec3> views = {}) noexcept;
 
 }  // namespace pelage

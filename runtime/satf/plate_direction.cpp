@@ -24,8 +24,11 @@ PlateDirection plate_direction(const Frame& frame, const CrossSection& s, glm::v
   d.planar = std::min(glm::length(plane), 1.0F);
   const glm::vec2 unit = d.planar > kNoAzimuth ? plane / d.planar : glm::vec2(1, 0);
   const glm::vec2 delta = s.solve(unit);
-  d.stretch = glm::length(delta);
-  d.disk = delta / d.stretch;
+  const float length = glm::length(delta);
+  d.disk = delta / length;
+  // Along the axis no direction in the plane is meant: the ellipse's mean stretch.
+  const float mean = 1.0F / std::sqrt(std::max(s.determinant(), 1e-12F));
+  d.stretch = mean + azimuth_weight(d.planar) * (length - mean);
   d.phi = std::atan2(d.disk.y, d.disk.x);
   d.plane_angle = std::atan2(unit.y, unit.x);
   return d;
@@ -42,9 +45,10 @@ RingShape ring_shape(const Division& division, int layer) noexcept {
 }
 
 float warp_angle(const RingShape& ring, float theta) noexcept {
-  const float turns = std::round(theta / (2.0F * kPi));
-  const float t = theta - 2.0F * kPi * turns;
-  return std::atan2(std::sin(t) * ring.height, std::cos(t) * ring.width) + 2.0F * kPi * turns;
+  // theta plus what tan theta' = (height / width) tan theta adds to it: below pi/2 and smooth, so no branch of atan2 is
+  // near and whole turns are kept.
+  const float s = std::sin(theta), c = std::cos(theta);
+  return theta + std::atan2((ring.height - ring.width) * s * c, ring.width * c * c + ring.height * s * s);
 }
 
 float azimuth_weight(float planar) noexcept {
@@ -52,25 +56,29 @@ float azimuth_weight(float planar) noexcept {
   return x * x * (3.0F - 2.0F * x);
 }
 
+float chord_ratio(const RingShape& ring, float cos_t, float max_path) noexcept {
+  const float inner2 = square(ring.inner), outer2 = square(ring.outer);
+  const float abs_cos = std::abs(cos_t), sin2 = std::max(0.0F, 1.0F - cos_t * cos_t);
+  const float metric = std::sqrt(sin2 / square(ring.width) + square(abs_cos / ring.height));  // |J^-1 d| in the disk
+  const float to_inner = inner2 - outer2 * sin2;
+  const float front =
+      to_inner > 0.0F ? ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F)) : 2.0F * ring.outer * abs_cos;
+  const float back = std::sqrt(std::max(outer2 - inner2 * sin2, 0.0F)) - ring.inner * abs_cos;
+  const float slab = std::min(ring.height / std::max(abs_cos, 1e-6F), max_path / metric);
+  return (cos_t >= 0.0F ? front : back) / slab;
+}
+
 void depth_factors(const RingShape& ring, const RingTable& table, const PlateDirection& d, float mass_per_area,
                    float max_path, bool curvature, std::span<float> out) noexcept {
   const float base = mass_per_area / (d.stretch * ring.width * ring.height);
-  const float inv_width = 1.0F / ring.width, inv_height = 1.0F / ring.height;
-  const float inner2 = square(ring.inner), outer2 = square(ring.outer);
+  const float inv_width2 = 1.0F / square(ring.width), inv_height2 = 1.0F / square(ring.height);
   for (std::size_t x = 0; x < out.size(); ++x) {
-    const float cos_t = d.disk.x * table.cos_u[x] + d.disk.y * table.sin_u[x];
-    const float sin2 = std::max(0.0F, 1.0F - cos_t * cos_t);
-    const float metric = std::sqrt(sin2 * square(inv_width) + square(cos_t * inv_height));  // |J^-1 d| in the disk
-    const float c = base / metric;
-    // Chord of the ring: from the outer surface inwards (front), from the inner surface outwards (back).
-    const float abs_cos = std::abs(cos_t);
-    const float to_inner = inner2 - outer2 * sin2;
-    const float front =
-        to_inner > 0.0F ? ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F)) : 2.0F * ring.outer * abs_cos;
-    const float back = std::sqrt(std::max(outer2 - inner2 * sin2, 0.0F)) - ring.inner * abs_cos;
-    const float chord = cos_t >= 0.0F ? front : back;
-    const float slab = std::min(ring.height / std::max(abs_cos, 1e-6F), max_path / metric);
-    out[x] = c * (curvature ? chord / slab : 1.0F);
+    const float cos2 = square(d.disk.x * table.cos_u[x] + d.disk.y * table.sin_u[x]);
+    out[x] = base / std::sqrt(std::max(0.0F, 1.0F - cos2) * inv_width2 + cos2 * inv_height2);
+  }
+  if (!curvature) return;
+  for (std::size_t x = 0; x < out.size(); ++x) {
+    out[x] *= chord_ratio(ring, d.disk.x * table.cos_u[x] + d.disk.y * table.sin_u[x], max_path);
   }
 }
 

@@ -40,8 +40,11 @@ float warp_angle(const RingShape& ring, float theta) noexcept;
 /// maps are continuous around the axis (HARD_CASES 14).
 float azimuth_weight(float planar) noexcept;
 
-/// Factor that turns a record's tau into optical depth per texel x: c(d) / c0 and, with `curvature`, the chord of the
-/// curved ring over the slab's path.
+/// Chord of the curved ring over the slab's path at an angle theta from outward, in [0, 2]: near side from the outer
+/// surface inwards, far side (cos_t < 0) from the inner surface outwards. Twin: shaders/hair_surface.frag.
+float chord_ratio(const RingShape& ring, float cos_t, float max_path) noexcept;
+
+/// Factor that turns a record's tau into optical depth per texel x: c(d) / c0 and, with `curvature`, the chord ratio.
 /// @param mass_per_area  M / (det S c0) [1/m]
 void depth_factors(const RingShape& ring, const RingTable& table, const PlateDirection& d, float mass_per_area,
                    float max_path, bool curvature, std::span<float> out) noexcept;
