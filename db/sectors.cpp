@@ -42,7 +42,8 @@ std::vector<std::vector<std::optional<Polar>>> crossings_of(const Cluster& clust
   for (std::size_t strand = 0; strand < cluster.strand_count(); ++strand) {
     if (cluster.strand(strand).empty()) continue;
     const DiskPoint root = cluster.strand(strand).front();
-    const auto before = static_cast<std::size_t>(std::max(0.0F, std::floor(root.t * static_cast<float>(division.plates))));
+    const auto before =
+        static_cast<std::size_t>(std::max(0.0F, std::floor(root.t * static_cast<float>(division.plates))));
     if (before + 1 >= at.size() || !at[before + 1][strand] || at[before][strand]) continue;
     at[before][strand] = polar({root.x, root.y}, division);
   }
