@@ -23,8 +23,11 @@ struct PlanarPhong {
   bool operator==(const PlanarPhong&) const = default;
 };
 
+/// The largest integer up to which every JSON reader keeps all of them exactly.
+constexpr std::uint64_t kLargestSeed = (std::uint64_t{1} << 53) - 1;
+
 struct BakeSettings {
-  std::uint64_t seed = 1;          // [0, 2^53): what every JSON reader keeps exactly
+  std::uint64_t seed = 1;          // [0, kLargestSeed]
   int sectors = 2000;              // records to bake, [1, 1,000,000]
   int grid = 32;                   // density grid cells per side, [8, 128]
   double sigma = 0.05;             // standard deviation of a strand's Gaussian, sector coordinates, [0.01, 0.08]

@@ -15,7 +15,7 @@ namespace pelage {
 /// [Xu2006 eq. 3]: s_v = layers, s_u = sectors (of the outermost layer; inner ones have fewer, see db/sectors.h),
 /// s_t = plates (number of HSVs along a cluster).
 struct Division {
-  int layers = 4;     // [1, 32]
+  int layers = 3;     // [1, 32]
   int sectors = 24;   // [3, 256]
   int plates = 24;    // [2, 512]
   float core = 0.1F;  // [0, 0.9] radius v of the transparent interior core

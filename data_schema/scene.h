@@ -34,23 +34,23 @@ struct Light {
 /// Hair material [Xu2006 eqs. 8-11; Scheuermann2004]. Colours are linear RGB.
 struct HairMaterial {
   std::string name = "brown";
-  glm::vec3 diffuse_colour{0.16F, 0.08F, 0.04F};     // phi^dif
+  glm::vec3 diffuse_colour{0.075F, 0.036F, 0.016F};  // phi^dif
   glm::vec3 primary_colour{1.0F};                    // phi^speI: the light's colour, so white
-  glm::vec3 secondary_colour{0.30F, 0.15F, 0.075F};  // phi^speII: the hair's colour
+  glm::vec3 secondary_colour{0.22F, 0.10F, 0.04F};   // phi^speII: the hair's colour
   float diffuse = 1.0F;                              // kappa^dif >= 0
-  float primary = 0.25F;                             // kappa^speI >= 0
-  float secondary = 0.35F;                           // kappa^speII >= 0
-  float primary_exponent = 80;                       // kappa^h of the primary highlight, [1, 10000]
-  float secondary_exponent = 20;                     // of the secondary
+  float primary = 0.10F;                             // kappa^speI >= 0
+  float secondary = 0.30F;                           // kappa^speII >= 0
+  float primary_exponent = 120;                      // kappa^h of the primary highlight, [1, 10000]
+  float secondary_exponent = 24;                     // of the secondary
   float primary_shift = 0.12F;                       // tangent_shift towards the tip (s of eq. 10), [0, 1]
   float secondary_shift = 0.20F;                     // towards the root (s of eq. 11), [0, 1]
-  float ambient = 0.12F;  // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
+  float ambient = 0.15F;  // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
   bool operator==(const HairMaterial&) const = default;
 };
 
-enum class SelfShadow { none, paper, light };       // eq. 12 with exp | the light's ray through the outer layers
-enum class DrawOrder { clusters, patches, exact };  // DESIGN section 5
-enum class RecordsFrom { database, direct };
+enum class SelfShadow { none, paper, light };            // eq. 12 with exp | the light's ray through the outer layers
+enum class DrawOrder { clusters, patches, exact };       // DESIGN section 5
+enum class RecordsFrom { database, own_alpha, direct };  // rungs of the accuracy ladder, DESIGN section 4
 
 /// Settings of the SATF runtime. Each effect can be switched off.
 struct SatfSettings {

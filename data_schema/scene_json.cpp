@@ -16,7 +16,7 @@ inline constexpr std::array<std::string_view, 3> kNames<SelfShadow>{"none", "pap
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<DrawOrder>{"clusters", "patches", "exact"};
 template <>
-inline constexpr std::array<std::string_view, 2> kNames<RecordsFrom>{"database", "direct"};
+inline constexpr std::array<std::string_view, 3> kNames<RecordsFrom>{"database", "own-alpha", "direct"};
 
 }  // namespace pelage::json_fields
 
@@ -187,11 +187,11 @@ HairMaterial preset(std::string name, glm::vec3 diffuse, glm::vec3 secondary) {
 }
 
 const std::vector<HairMaterial>& presets() {
-  static const std::vector<HairMaterial> all = {preset("black", {0.03F, 0.024F, 0.02F}, {0.09F, 0.07F, 0.055F}),
-                                                preset("brown", {0.16F, 0.08F, 0.04F}, {0.3F, 0.15F, 0.075F}),
-                                                preset("blond", {0.5F, 0.34F, 0.17F}, {0.68F, 0.48F, 0.25F}),
-                                                preset("red", {0.33F, 0.1F, 0.035F}, {0.5F, 0.17F, 0.06F}),
-                                                preset("grey", {0.36F, 0.35F, 0.34F}, {0.5F, 0.49F, 0.48F})};
+  static const std::vector<HairMaterial> all = {preset("black", {0.012F, 0.010F, 0.009F}, {0.06F, 0.045F, 0.035F}),
+                                                preset("brown", {0.075F, 0.036F, 0.016F}, {0.22F, 0.10F, 0.04F}),
+                                                preset("blond", {0.30F, 0.19F, 0.085F}, {0.55F, 0.36F, 0.16F}),
+                                                preset("red", {0.17F, 0.048F, 0.015F}, {0.40F, 0.13F, 0.04F}),
+                                                preset("grey", {0.20F, 0.195F, 0.19F}, {0.42F, 0.41F, 0.40F})};
   return all;
 }
 

@@ -129,7 +129,7 @@ std::filesystem::path adapted_database(const BakeSettings& settings, const Hairs
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake) {
   bake = scene.bake;
   if (scene.satf.records == RecordsFrom::direct) return std::make_unique<DirectSource>(bake);
-  const LookupSettings lookup{scene.satf.neighbours};
+  const LookupSettings lookup{scene.satf.neighbours, true, scene.satf.records == RecordsFrom::own_alpha};
   if (!scene.database.empty()) {
     auto source = std::make_unique<DatabaseSource>(scene.database, lookup);
     bake = source->bank().metadata().settings;

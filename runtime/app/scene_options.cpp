@@ -139,11 +139,14 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--size", o->size, "Pixels, WIDTHxHEIGHT [1280x720]");
   verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")->capture_default_str();
   verb.add_option("--database", o->database, "HRIR database; without it one adapted to the hair is baked and cached");
-  verb.add_option("--records", o->records, "database, or direct: trace every sector (slow, to compare) [database]");
+  verb.add_option(
+      "--records", o->records,
+      "database; own-alpha: opacity from the hair itself, reflectance from the database; direct: trace every "
+      "sector (slow, to compare) [database]");
   verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")->capture_default_str();
   verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [2000]");
   verb.add_option("--clusters", o->clusters, "Clusters fitted to a hair file, 1 to 10000")->capture_default_str();
-  verb.add_option("--layers", o->layers, "Layers of a cluster, 1 to 32 [4]");
+  verb.add_option("--layers", o->layers, "Layers of a cluster, 1 to 32 [3]");
   verb.add_option("--sectors", o->sectors, "Sectors of the outermost layer, 3 to 256 [24]");
   verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]");
   verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
@@ -184,8 +187,9 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--size")) parse_size(o.size, scene.image);
   if (given("--supersampling")) scene.image.supersampling = o.supersampling;
   if (given("--records")) {
-    scene.satf.records = choose<RecordsFrom>({{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}},
-                                             o.records, "--records");
+    scene.satf.records = choose<RecordsFrom>(
+        {{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}, {"own-alpha", RecordsFrom::own_alpha}},
+        o.records, "--records");
   }
   if (given("--neighbours")) scene.satf.neighbours = o.neighbours;
   if (given("--bake-sectors")) scene.bake.sectors = o.bake_sectors;
