@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "../data_schema/temporary.h"
 #include "bytes.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/hair_file.h"
@@ -33,10 +34,6 @@ std::string refusal(const Bytes& bytes, const ReadOptions& options = {}, const s
     return e.what();
   }
   return "accepted";
-}
-
-fs::path temporary(const std::string& name) {
-  return fs::path(testing::TempDir()) / name;
 }
 
 TEST(HairFile, ReadsEveryArrayOfHair) {
@@ -228,12 +225,13 @@ TEST(HairFile, BSplineOfEvenControlPointsIsAStraightLine) {
 }
 
 TEST(HairFile, WritesWhatItReads) {
+  const test::TemporaryFolder folder;
   for (const Bytes& bytes : {test::small_hair(), test::small_tfx()}) {
     Strands s = parse_hair(bytes, "x.hair");
     s.diameter_m = 1.5e-4F;
     for (const bool arrays : {true, false}) {
       if (!arrays) s.diameters_m.clear(), s.colours.clear();
-      const fs::path file = temporary("pelage_round_trip.hair");
+      const fs::path file = folder / "round_trip.hair";
       write_hair(s, file);
       const Strands r = read_hair(file);
       EXPECT_EQ(r.offsets, s.offsets);
@@ -243,18 +241,18 @@ TEST(HairFile, WritesWhatItReads) {
       if (!arrays) {
         EXPECT_EQ(r.diameter_m, s.diameter_m);
       }
-      fs::remove(file);
     }
   }
 }
 
 TEST(HairFile, WriterRefusesWhatItCannotWrite) {
+  const test::TemporaryFolder folder;
   const Strands good = parse_hair(test::small_hair(), "x.hair");
-  EXPECT_THROW(write_hair(good, temporary("no_such_folder/x.hair")), OutputError);
+  EXPECT_THROW(write_hair(good, folder / "no_such_folder/x.hair"), OutputError);
   EXPECT_THROW(write_hair(good, testing::TempDir()), OutputError);
   Strands long_one;
   long_one.append(std::vector<glm::vec3>(65'537, glm::vec3(0.0F)));
-  EXPECT_THROW(write_hair(long_one, temporary("x.hair")), OutputError);
+  EXPECT_THROW(write_hair(long_one, folder / "x.hair"), OutputError);
 }
 
 TEST(HairFile, MissingFileAndFolderAreInputErrors) {

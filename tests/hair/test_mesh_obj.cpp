@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "../data_schema/temporary.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/head.h"
 #include "pelage/hair/mesh_obj.h"
@@ -60,12 +61,12 @@ TEST(MeshObj, SurvivesTruncationAndFlips) {
 
 TEST(MeshObj, WritesWhatItReads) {
   const Mesh mesh = parametric_head({});
-  const fs::path file = fs::path(testing::TempDir()) / "pelage_head.obj";
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "head.obj";
   write_obj(mesh, file);
   const Mesh read = read_obj(file);
   EXPECT_EQ(read.vertices, mesh.vertices);
   EXPECT_EQ(read.triangles, mesh.triangles);
-  fs::remove(file);
 }
 
 TEST(MeshObj, ReadsTheSintelBust) {
