@@ -86,12 +86,21 @@ inline FrameSettings front_view() {
   return frame;
 }
 
-/// A quadrilateral behind the hair, facing +z.
+/// A square behind the hair, facing +z, fine enough for shadows by vertex.
 inline Mesh wall() {
+  constexpr unsigned kSide = 16;
   Mesh m;
-  m.vertices = {{-.1F, -.1F, -.05F}, {.1F, -.1F, -.05F}, {.1F, .1F, -.05F}, {-.1F, .1F, -.05F}};
-  m.normals.assign(4, {0, 0, 1});
-  m.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (unsigned y = 0; y <= kSide; ++y) {
+    for (unsigned x = 0; x <= kSide; ++x) {
+      const glm::vec2 at = 0.2F / kSide * glm::vec2(static_cast<float>(x), static_cast<float>(y)) - 0.1F;
+      m.vertices.emplace_back(at, -0.05F);
+      if (x == kSide || y == kSide) continue;
+      const unsigned a = y * (kSide + 1) + x, c = a + kSide + 1;
+      m.triangles.emplace_back(a, a + 1, c);
+      m.triangles.emplace_back(a + 1, c + 1, c);
+    }
+  }
+  m.normals.assign(m.vertices.size(), {0, 0, 1});
   return m;
 }
 

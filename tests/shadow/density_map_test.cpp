@@ -224,16 +224,29 @@ TEST(DensityMap, ThickHairUnderflowsToDarkNotToNaN) {
   EXPECT_EQ(map.transmittance({0, -1, 0}), 0.0F);
 }
 
-TEST(DensityMap, AFibreShadowsItselfByHalfAtMost) {
-  // Hard case 5: half of the own cell counts, whatever the fibre's place in its cell.
+TEST(DensityMap, AFibreShadowsItselfByHalfAndWhereItIs) {
+  // Hard case 5: half of the own cell counts, whatever the fibre's place in its cell; its shadow lies behind it.
+  constexpr float kCell_m = 0.01F;
   for (const float shift : {0.0F, 0.1F, 0.37F, 0.5F, 0.93F}) {
-    const float cell = 0.1F / 16;
-    const std::vector<Segment> fibre{
-        {{shift * cell, 0.3F * shift * cell, -0.05F}, {shift * cell, 0.3F * shift * cell, 0.05F}}};
-    const DensityMap map(fibre, {0, 1, 0}, 0.01F, 16);
-    const float whole = 0.01F / map.cell_size_m();  // a D len / ds^2 for a length of one cell
-    EXPECT_LE(map.optical_depth(fibre[0].a), 0.5F * whole * 1.0001F) << shift;
-    EXPECT_GT(map.optical_depth(0.5F * (fibre[0].a + fibre[0].b)), 0.1F * whole) << shift;
+    const glm::vec3 at = kCell_m * glm::vec3(shift, 0.7F * shift, 0);
+    // Two points without length hold the box at 16 cells of 1 cm.
+    const std::vector<Segment> hair{{at - glm::vec3(0, 0, 0.06F), at + glm::vec3(0, 0, 0.06F)},
+                                    {glm::vec3(-0.08F), glm::vec3(-0.08F)},
+                                    {glm::vec3(0.08F), glm::vec3(0.08F)}};
+    const DensityMap map(hair, {0, 1, 0}, 0.01F, 16);
+    ASSERT_FLOAT_EQ(map.cell_size_m(), kCell_m);
+    const float total = map.optical_depth(at - glm::vec3(0, 0.05F, 0));
+    EXPECT_GE(total, 0.5F) << "a D / ds, spread over two columns";
+    EXPECT_NEAR(map.optical_depth(at), 0.5F * total, 1e-5F) << shift;
+    // First moment of the shadow across the fibre: linear weights keep it.
+    double sum = 0, moment = 0;
+    for (int i = -300; i <= 300; ++i) {
+      const float x = 1e-4F * static_cast<float>(i);
+      const double depth = double(map.optical_depth(glm::vec3(x, -0.05F, 0)));
+      sum += depth;
+      moment += double(x) * depth;
+    }
+    EXPECT_NEAR(moment / sum, double(at.x), 0.01 * double(kCell_m)) << shift;
   }
 }
 
