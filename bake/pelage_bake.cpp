@@ -14,6 +14,7 @@
 
 #include "pelage/bake/bake_pipeline.h"
 #include "pelage/bake/verify.h"
+#include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/db/database.h"
@@ -83,7 +84,8 @@ void add_build(CLI::App& app) {
   verb->add_option("--from", o->from, "hairstyle file: bake its representative sectors instead of random ones");
   verb->add_option("--settings", o->settings, "bake settings (JSON); the options below go before it");
   verb->add_option("--sectors", o->sectors, "records to bake (default 2000)")->check(CLI::Range(1, 1000000));
-  verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)");
+  verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)")
+      ->check(console::finite(0, static_cast<double>(kLargestSeed)));
   verb->add_option("--features", o->features, "what the search compares (default profile11)")
       ->transform(CLI::CheckedTransformer(kFeatureSets));
   verb->add_option("--storage", o->storage, "of a value: 8 bits or IEEE half (default u8)")

@@ -159,13 +159,34 @@ TEST(Verify, TheLadderEndsAtDirectAndADatabaseBeatsTheMean) {
   }
 }
 
+/// What a shell command prints, and its exit code.
+std::pair<std::string, int> run(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return {"", -1};
+  std::string text;
+  char part[512];
+  while (std::fgets(part, sizeof part, pipe) != nullptr) text += part;
+  const int status = pclose(pipe);
+  return {text, WIFEXITED(status) ? WEXITSTATUS(status) : -1};
+}
+
+TEST(Program, RefusesSeedsThatJsonCannotHold) {
+  const Folder folder;
+  const std::string file = (folder / "x.hrir").string();
+  const std::string build = PELAGE_BAKE " build --sectors 1 -o " + file + " --seed ";
+  for (const char* bad : {"9007199254740992", "18446744073709551615", "-1"}) {
+    const auto [text, code] = run(build + bad);
+    EXPECT_THAT(text, HasSubstr(bad + std::string(" is out of range: give a number in [0, 9007199254740991]")));
+    EXPECT_EQ(code, 2);
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+  EXPECT_EQ(run(build + "1.5").second, 2);
+  EXPECT_EQ(run(build + "9007199254740991").second, 0);
+  EXPECT_EQ(DatabaseReader(file).metadata().settings.seed, kLargestSeed);
+}
+
 TEST(Program, LinksNoOpenGlAndNoOpenImageIo) {
-  FILE* pipe = popen("readelf -d " PELAGE_BAKE " | grep NEEDED", "r");
-  ASSERT_NE(pipe, nullptr);
-  std::string needed;
-  char line[512];
-  while (std::fgets(line, sizeof line, pipe) != nullptr) needed += line;
-  pclose(pipe);
+  const std::string needed = run("readelf -d " PELAGE_BAKE " | grep NEEDED").first;
   EXPECT_THAT(needed, HasSubstr("libsqlite3"));
   for (const char* library : {"GL", "epoxy", "glfw", "OpenImageIO", "embree", "hdf5", "mpi", "flann"}) {
     EXPECT_THAT(needed, testing::Not(HasSubstr(library)));
