@@ -38,8 +38,8 @@ struct HairMaterial {
   glm::vec3 primary_colour{1.0F};                    // phi^speI: the light's colour, so white
   glm::vec3 secondary_colour{0.22F, 0.10F, 0.04F};   // phi^speII: the hair's colour
   float diffuse = 1.0F;                              // kappa^dif >= 0
-  float primary = 0.10F;                             // kappa^speI >= 0
-  float secondary = 0.30F;                           // kappa^speII >= 0
+  float primary = 0.16F;                             // kappa^speI >= 0
+  float secondary = 0.40F;                           // kappa^speII >= 0
   float primary_exponent = 120;                      // kappa^h of the primary highlight, [1, 10000]
   float secondary_exponent = 24;                     // of the secondary
   float primary_shift = 0.12F;                       // tangent_shift towards the tip (s of eq. 10), [0, 1]

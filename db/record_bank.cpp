@@ -55,21 +55,6 @@ struct Query {
   float tau_scale, re_scale;
 };
 
-template <class CellType>
-struct Pair;  // two neighbouring cells in one word
-template <>
-struct Pair<std::uint8_t> {
-  using Word = std::uint16_t;
-  static int low(std::int32_t w) { return w & 0xFF; }
-  static int high(std::int32_t w) { return (w >> 8) & 0xFF; }
-};
-template <>
-struct Pair<std::uint16_t> {
-  using Word = std::uint32_t;
-  static int low(std::int32_t w) { return w & 0xFFFF; }
-  static int high(std::int32_t w) { return (w >> 16) & 0xFFFF; }
-};
-
 template <class T>
 inline std::int32_t load(const std::uint8_t* cells, std::int32_t index, std::size_t cell_bytes) {
   T word;
@@ -80,10 +65,10 @@ inline std::int32_t load(const std::uint8_t* cells, std::int32_t index, std::siz
 /// Three passes, so that the compiler vectorises all but the loads: where, load, interpolate.
 template <class CellType, bool with_re>
 __attribute__((always_inline)) inline void run(const Query& q, float* tau_out, float* re_out) {
-  using Word = typename Pair<CellType>::Word;
-  alignas(64) std::int32_t t0[kNodes], t1[kNodes], r0[kNodes], r1[kNodes];
+  alignas(64) std::int32_t t0[kNodes], t1[kNodes], r0[kNodes], r1[kNodes], s0[kNodes], s1[kNodes];
   alignas(64) float view_weight[kNodes], light_weight[kNodes], tau[kNodes], re[kNodes];
   const int nodes = q.samples + 1;
+  const int view_stride = (q.lights + 1) * q.samples;
   for (int j = 0; j < nodes; ++j) {
     const int shifted = q.base + j;
     const int sample = shifted >= q.samples ? shifted - q.samples : shifted;
@@ -95,25 +80,26 @@ __attribute__((always_inline)) inline void run(const Query& q, float* tau_out, f
     if constexpr (with_re) {
       const Cell light = cell_at(q.light, j);
       light_weight[j] = light.beyond;
-      r0[j] = t0[j] * (q.lights + 1) + light.index;
-      r1[j] = t1[j] * (q.lights + 1) + light.index;
+      const int at = light.index * q.samples + sample;
+      r0[j] = view.index * view_stride + at;
+      r1[j] = next * view_stride + at;
     }
   }
   for (int j = 0; j < nodes; ++j) {
     t0[j] = load<CellType>(q.tau, t0[j], sizeof(CellType));
     t1[j] = load<CellType>(q.tau, t1[j], sizeof(CellType));
     if constexpr (with_re) {
-      r0[j] = load<Word>(q.re, r0[j], sizeof(CellType));
-      r1[j] = load<Word>(q.re, r1[j], sizeof(CellType));
+      s0[j] = load<CellType>(q.re, r0[j] + q.samples, sizeof(CellType));
+      s1[j] = load<CellType>(q.re, r1[j] + q.samples, sizeof(CellType));
+      r0[j] = load<CellType>(q.re, r0[j], sizeof(CellType));
+      r1[j] = load<CellType>(q.re, r1[j], sizeof(CellType));
     }
   }
   for (int j = 0; j < nodes; ++j) {
     tau[j] = static_cast<float>(t0[j]) + view_weight[j] * static_cast<float>(t1[j] - t0[j]);
     if constexpr (with_re) {
-      const int a = Pair<CellType>::low(r0[j]), b = Pair<CellType>::low(r1[j]);
-      const float first = static_cast<float>(a) + light_weight[j] * static_cast<float>(Pair<CellType>::high(r0[j]) - a);
-      const float second =
-          static_cast<float>(b) + light_weight[j] * static_cast<float>(Pair<CellType>::high(r1[j]) - b);
+      const float first = static_cast<float>(r0[j]) + light_weight[j] * static_cast<float>(s0[j] - r0[j]);
+      const float second = static_cast<float>(r1[j]) + light_weight[j] * static_cast<float>(s1[j] - r1[j]);
       re[j] = first + view_weight[j] * (second - first);
     }
   }
@@ -186,8 +172,8 @@ void RecordBank::set(std::size_t record, const StoredSector& sector) {
   scales_[record].re = to_cells(sector.re, metadata_.settings.storage, cells);
   std::uint8_t* re = re_.data() + record * shape_.tau_size() * (lights + 1) * cell_bytes_;
   for (std::size_t v = 0; v < views; ++v) {
-    for (std::size_t x = 0; x < samples; ++x) {
-      for (std::size_t l = 0; l <= lights; ++l, re += cell_bytes_) put(re, (v * lights + l % lights) * samples + x);
+    for (std::size_t l = 0; l <= lights; ++l) {
+      for (std::size_t x = 0; x < samples; ++x, re += cell_bytes_) put(re, (v * lights + l % lights) * samples + x);
     }
   }
   features_.insert(features_.end(), sector.features.begin(), sector.features.end());

@@ -1,9 +1,9 @@
 // All records of a database in memory, laid out for the lookup: the value of the SATF [Xu2006 eq. 4].
 //
-// Layout, measured (tests/bench/bench_lookup.cpp; 32 views x 32 lights x 32 samples, 1000 records, tracks of 25
-// plates):
-//   re   [record][view][sample][light + 1], the first light again at the end: one load brings both lights, 3.6 ns per
-//        sample; [view][light][sample] needs two: 4.4 ns; reached one by one in scalar code: 13 ns
+// Layout, measured (tests/bench/bench_maps.cpp, where records change from sector to sector as they do in use):
+//   re   [record][view][light + 1][sample], the first light again at the end: a sector touches a handful of cache
+//   lines.
+//        [view][sample][light] brings both lights with one load but touches a line per sample.
 //   tau  [record][view][sample]
 // Cells are 8 bits as stored; halves become 16 bits of the record's maximum (error <= max / 131070, below the half's
 // own 2^-11 of values beyond 1.6 % of it).

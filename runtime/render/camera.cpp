@@ -10,16 +10,28 @@
 #include "pelage/data_schema/errors.h"
 
 namespace pelage {
+namespace {
+
+/// Room around the framed hair: its box fills 1 / kFrameMargin of the picture's height or width.
+constexpr float kFrameMargin = 1.04F;
+
+}  // namespace
 
 Camera framed_camera(const Bounds& bounds, float aspect) {
   Camera camera;
   const Bounds b = bounds.empty() ? Bounds{glm::vec3(-0.1F), glm::vec3(0.1F)} : bounds;
   camera.target = 0.5F * (b.low + b.high);
-  const float radius = std::max(0.5F * glm::length(b.high - b.low), 1e-3F);
-  const float half = glm::radians(0.5F * camera.fov_deg);
-  const float narrow = std::atan(std::tan(half) * std::min(aspect, 1.0F));
   const glm::vec3 from = glm::normalize(glm::vec3(0.55F, 0.18F, 1.0F));
-  camera.eye = camera.target + from * (0.88F * radius / std::sin(narrow));
+  const glm::vec3 side = glm::normalize(glm::cross(camera.up, from)), above = glm::cross(from, side);
+  const float tangent = std::tan(glm::radians(0.5F * camera.fov_deg)) / kFrameMargin;
+  float distance = 1e-3F;
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 corner{i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y, i & 4 ? b.high.z : b.low.z};
+    const glm::vec3 p = corner - camera.target;
+    const float across = std::max(std::abs(glm::dot(p, side)) / aspect, std::abs(glm::dot(p, above)));
+    distance = std::max(distance, glm::dot(p, from) + across / tangent);
+  }
+  camera.eye = camera.target + from * distance;
   return camera;
 }
 

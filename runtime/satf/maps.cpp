@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "pelage/data_schema/numeric.h"
-#include "pelage/db/optical_scale.h"
 
 namespace pelage {
 namespace {
@@ -18,15 +17,46 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kReRange = 8.0F;
 
+/// One path per CPU; without contraction all give the same bits.
+#define PELAGE_CLONES __attribute__((target_clones("avx2", "default")))
+
 /// Adds one sector's record to the ring, weighted by the hat window.
-void splat_record(std::span<const float> tau, std::span<const float> re, float* depth, float* weighted) noexcept {
-  const auto n = static_cast<int>(tau.size());
+PELAGE_CLONES void splat_record(const float* __restrict tau, const float* __restrict re, int n, float* __restrict depth,
+                                float* __restrict weighted) noexcept {
   const float step = 2.0F / static_cast<float>(n);
   for (int x = 0; x < n; ++x) {
-    const float hat = 1.0F - std::abs(step * (static_cast<float>(x) + 0.5F) - 1.0F);
-    const float w = hat * tau[static_cast<std::size_t>(x)];
+    const float w = (1.0F - std::abs(step * (static_cast<float>(x) + 0.5F) - 1.0F)) * tau[x];
     depth[x] += w;
-    if (weighted != nullptr) weighted[x] += w * re[static_cast<std::size_t>(x)];
+    weighted[x] += w * re[x];
+  }
+}
+PELAGE_CLONES void splat_tau(const float* __restrict tau, int n, float* __restrict depth) noexcept {
+  const float step = 2.0F / static_cast<float>(n);
+  for (int x = 0; x < n; ++x) depth[x] += (1.0F - std::abs(step * (static_cast<float>(x) + 0.5F) - 1.0F)) * tau[x];
+}
+
+/// Straight reflectance from the sums, drawn towards 1, the mean over light angles, where `share` of it is not known.
+PELAGE_CLONES void straighten(const float* __restrict tau, const float* __restrict weighted, float share, std::size_t n,
+                              float* __restrict re) noexcept {
+  for (std::size_t x = 0; x < n; ++x) {
+    const float straight = tau[x] > 1e-12F ? weighted[x] / std::max(tau[x], 1e-12F) : 1.0F;
+    re[x] = 1.0F + share * (straight - 1.0F);
+  }
+}
+
+PELAGE_CLONES void depth_to_alpha(float* values, std::size_t n) noexcept {
+  for (std::size_t x = 0; x < n; ++x) values[x] = 1.0F - exp_neg(values[x]);
+}
+
+inline std::uint32_t quantise(float share, float levels) noexcept {
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::min(std::max(share, 0.0F), 1.0F) * levels + 0.5F));
+}
+
+PELAGE_CLONES void pack_row(const float* __restrict alpha, const float* __restrict re,
+                            const float* __restrict transmittance, std::size_t n, Texel* __restrict out) noexcept {
+  for (std::size_t x = 0; x < n; ++x) {
+    out[x] = quantise(alpha[x], 1023.0F) | quantise(re[x] * (1.0F / kReRange), 4095.0F) << 10 |
+             quantise(transmittance[x], 1023.0F) << 22;
   }
 }
 
@@ -59,14 +89,20 @@ void sum_ring(const SatfModel& model, const RecordSource& source, std::size_t in
   scratch.reflectance.resize(n);
   scratch.depth.assign(width + 2 * pad, 0.0F);
   scratch.weighted.assign(width + 2 * pad, 0.0F);
+  const std::size_t first = model.track(instance, layer, 0) + static_cast<std::size_t>(plate);
   for (int k = 0; k < ring.sectors; ++k) {
-    const std::size_t sector = model.track(instance, layer, k) + static_cast<std::size_t>(plate);
+    const std::size_t sector = first + static_cast<std::size_t>(k) * static_cast<std::size_t>(model.layout.rows);
     if (model.sectors.sector(sector).empty()) continue;
     const auto re = with_re ? std::span<float>(scratch.reflectance) : std::span<float>();
     source.evaluate(sector, sector_angles(ring, k, d, light_minus_view), scratch.tau, re);
     // Sector k starts a quarter record before its spacing does: x = X + n/4 - k n/2.
     const std::size_t start = static_cast<std::size_t>(k) * n / 2;
-    splat_record(scratch.tau, re, scratch.depth.data() + start, with_re ? scratch.weighted.data() + start : nullptr);
+    if (with_re) {
+      splat_record(scratch.tau.data(), re.data(), model.samples, scratch.depth.data() + start,
+                   scratch.weighted.data() + start);
+    } else {
+      splat_tau(scratch.tau.data(), model.samples, scratch.depth.data() + start);
+    }
   }
   fold_padding(scratch.depth, width, pad);
   if (with_re) fold_padding(scratch.weighted, width, pad);
@@ -87,6 +123,7 @@ float paper_transmittance(const SatfModel& model, const std::vector<std::vector<
 struct InstanceScratch {
   RingScratch ring;
   std::vector<std::vector<float>> alpha, re;  // [layer][x]
+  std::vector<float> transmittance;           // [x]
 };
 
 void build_row(const SatfModel& model, const RecordSource& source, const MapRequest& request,
@@ -105,29 +142,31 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
     alpha.resize(static_cast<std::size_t>(model.layout.widths[layer]));
     re.resize(alpha.size());
     ring_depth(model, source, instance, j, plate, view, light, false, scratch.ring, alpha, re);
-    for (float& a : alpha) a = 1.0F - exp_neg(a);
+    depth_to_alpha(alpha.data(), alpha.size());
   }
   for (int j = 0; j < model.division.layers; ++j) {
     const auto layer = static_cast<std::size_t>(j);
     const std::size_t first = model.layout.texel(instance, j, plate);
-    for (std::size_t x = 0; x < scratch.alpha[layer].size(); ++x) {
-      float transmittance = shadows.empty() ? 1.0F : static_cast<float>(shadows[first + x]) / 65535.0F;
-      if (request.settings.self_shadow == SelfShadow::paper) {
-        transmittance *= paper_transmittance(model, scratch.alpha, j, x, request.settings.self_shadow_strength);
-      }
-      texels[first + x] = pack_texel({scratch.alpha[layer][x], scratch.re[layer][x], transmittance});
+    const std::size_t width = scratch.alpha[layer].size();
+    scratch.transmittance.assign(width, 1.0F);
+    for (std::size_t x = 0; x < width && !shadows.empty(); ++x) {
+      scratch.transmittance[x] = static_cast<float>(shadows[first + x]) * (1.0F / 65535.0F);
     }
+    for (std::size_t x = 0; x < width && request.settings.self_shadow == SelfShadow::paper; ++x) {
+      scratch.transmittance[x] *=
+          paper_transmittance(model, scratch.alpha, j, x, request.settings.self_shadow_strength);
+    }
+    pack_row(scratch.alpha[layer].data(), scratch.re[layer].data(), scratch.transmittance.data(), width,
+             texels.data() + first);
   }
 }
 
 }  // namespace
 
 Texel pack_texel(const TexelValues& v) noexcept {
-  const auto quantise = [](float value, float top, std::uint32_t levels) {
-    return static_cast<std::uint32_t>(std::clamp(value / top, 0.0F, 1.0F) * static_cast<float>(levels) + 0.5F);
-  };
-  return quantise(v.alpha, 1.0F, 1023) | quantise(v.re, kReRange, 4095) << 10 |
-         quantise(v.transmittance, 1.0F, 1023) << 22;
+  Texel t = 0;
+  pack_row(&v.alpha, &v.re, &v.transmittance, 1, &t);
+  return t;
 }
 
 TexelValues unpack_texel(Texel t) noexcept {
@@ -135,32 +174,20 @@ TexelValues unpack_texel(Texel t) noexcept {
           static_cast<float>(t >> 22) / 1023.0F};
 }
 
-float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring,
-                    float reference_scale) noexcept {
-  const float area = std::max(s.determinant(), 1e-12F);
-  const float sigma_m = model.profile_sigma * ring.width * std::sqrt(area);
-  const double mass = gaussian_mass(static_cast<double>(model.blocked_width_m), static_cast<double>(sigma_m));
-  return static_cast<float>(mass) / (area * reference_scale);
-}
-
 void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t instance, int layer, int plate,
                 const PlateDirection& d, const PlateDirection& l, bool curvature, RingScratch& scratch,
                 std::span<float> depth, std::span<float> re) noexcept {
   const RingShape ring = ring_shape(model.division, layer);
-  const CrossSection& s = model.instances[instance].swept.cross_sections[static_cast<std::size_t>(plate)];
   const std::size_t pad = static_cast<std::size_t>(model.samples) / 4;
   const float trust = azimuth_weight(d.planar);
   const bool with_re = !re.empty();
   sum_ring(model, source, instance, layer, plate, d, l.plane_angle - d.plane_angle, with_re, scratch);
-  for (std::size_t x = 0; x < depth.size(); ++x) {
-    const float tau = scratch.depth[pad + x];
-    depth[x] = trust * tau;
-    // Light along the axis has no azimuth: the mean over light angles, 1. So has a view along the axis.
-    if (with_re) {
-      const float straight = tau > 1e-12F ? scratch.weighted[pad + x] / tau : 1.0F;
-      re[x] = 1.0F + azimuth_weight(l.planar) * trust * (straight - 1.0F);
-    }
+  // Light along the axis has no azimuth: the mean over light angles, 1. So has a view along the axis.
+  if (with_re) {
+    straighten(scratch.depth.data() + pad, scratch.weighted.data() + pad, azimuth_weight(l.planar) * trust, re.size(),
+               re.data());
   }
+  for (std::size_t x = 0; x < depth.size(); ++x) depth[x] = trust * scratch.depth[pad + x];
   if (trust < 1.0F) {
     constexpr int kAround = 8;
     for (int i = 0; i < kAround; ++i) {
@@ -171,7 +198,10 @@ void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t 
     }
   }
   scratch.factors.resize(depth.size());
-  const float mass = mass_per_area(model, s, ring, source.reference_scale());
+  const std::size_t row = instance * static_cast<std::size_t>(model.layout.rows) + static_cast<std::size_t>(plate);
+  const float mass =
+      model.mass_per_area[row * static_cast<std::size_t>(model.division.layers) + static_cast<std::size_t>(layer)] /
+      source.reference_scale();
   depth_factors(ring, model.rings[static_cast<std::size_t>(layer)], d, mass, model.max_path, curvature,
                 scratch.factors);
   if (trust < 1.0F) {

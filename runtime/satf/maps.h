@@ -45,10 +45,6 @@ void ring_depth(const SatfModel& model, const RecordSource& source, std::size_t 
                 const PlateDirection& d, const PlateDirection& l, bool curvature, RingScratch& scratch,
                 std::span<float> depth, std::span<float> re) noexcept;
 
-/// Optical mass of a strand over det S and c0, for depth_factors. [1/m]
-float mass_per_area(const SatfModel& model, const CrossSection& s, const RingShape& ring,
-                    float reference_scale) noexcept;
-
 /// Fills `texels` [model.texels()]; transmittance comes from `shadows` (self_shadow.h, [texels], or empty: 1), or, with
 /// SelfShadow::paper, from eq. 12 over the alpha-maps just built. Parallel; the same bytes for any number of threads.
 void build_maps(const SatfModel& model, const RecordSource& source, const MapRequest& request,

@@ -1,11 +1,14 @@
 #include "pelage/satf/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <numbers>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/db/optical_scale.h"
+#include "pelage/satf/plate_direction.h"
 
 namespace pelage {
 namespace {
@@ -40,6 +43,22 @@ MapLayout layout_of(const Division& division, int samples) {
   return layout;
 }
 
+/// M / det S of every ring [1/m]: the strand's profile is that of a record, stretched over the ring's sectors.
+std::vector<float> masses_of(const SatfModel& model) {
+  std::vector<float> masses;
+  for (const Instance& instance : model.instances) {
+    for (const CrossSection& s : instance.swept.cross_sections) {
+      const float area = std::max(s.determinant(), 1e-12F);
+      for (int j = 0; j < model.division.layers; ++j) {
+        const float sigma_m = model.profile_sigma * ring_shape(model.division, j).width * std::sqrt(area);
+        const double mass = gaussian_mass(static_cast<double>(model.blocked_width_m), static_cast<double>(sigma_m));
+        masses.push_back(static_cast<float>(mass) / area);
+      }
+    }
+  }
+  return masses;
+}
+
 RingTable ring_table(int width) {
   RingTable ring;
   for (int x = 0; x < width; ++x) {
@@ -65,10 +84,8 @@ std::vector<Instance> instances_of(const Hairstyle& style) {
 }
 
 std::size_t SatfModel::track(std::size_t instance, int layer, int sector) const noexcept {
-  int before = sector;
-  for (int j = 0; j < layer; ++j) before += sectors_in_layer(division, j);
-  const auto tracks = static_cast<std::size_t>(tracks_per_cluster(division));
-  return (instances[instance].cluster * tracks + static_cast<std::size_t>(before)) *
+  const std::size_t before = track_of[static_cast<std::size_t>(layer)] + static_cast<std::size_t>(sector);
+  return (instances[instance].cluster * static_cast<std::size_t>(track_of.back()) + before) *
          static_cast<std::size_t>(division.plates + 1);
 }
 
@@ -83,6 +100,11 @@ SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int sampl
   model.max_path = static_cast<float>(bake.max_path);
   model.samples = samples;
   model.instances = instances_of(style);
+  model.mass_per_area = masses_of(model);
+  model.track_of = {0};
+  for (int j = 0; j < style.division.layers; ++j) {
+    model.track_of.push_back(model.track_of.back() + static_cast<std::uint32_t>(sectors_in_layer(style.division, j)));
+  }
   model.sectors = sectors_of(style.clusters, style.division);
   model.layout = layout_of(style.division, samples);
   for (const int width : model.layout.widths) model.rings.push_back(ring_table(width));

@@ -50,6 +50,8 @@ struct SatfModel {
   int samples = 0;            // of a record along s; a multiple of 4
   std::vector<Instance> instances;
   std::vector<std::uint32_t> strands_at;  // [cluster][plate] strands that cross the plate
+  std::vector<float> mass_per_area;       // [instance][plate][layer] optical mass M of a strand over det S [1/m]
+  std::vector<std::uint32_t> track_of;    // [layer] first track of the layer within a cluster, then their number
   SectorSet sectors;                      // tracks [cluster][layer][sector]
   MapLayout layout;
   std::vector<RingTable> rings;  // [layer]
