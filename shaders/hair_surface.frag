@@ -40,6 +40,7 @@ in vec3 world_normal;
 in vec2 at;
 in vec3 view_in_disk;
 flat in uint map_of;
+flat in uint inner_surface;
 
 #ifdef PELAGE_PER_PIXEL_LISTS
 layout(early_fragment_tests) in;
@@ -92,16 +93,18 @@ float drift_at(MapInfo map, int row) {
   return mix(d0, d1, fract(k)) * float(samples);
 }
 
-/// Chord of the curved ring over the path in a flat slab; twin of satf/plate_direction.cpp.
+/// Chord of the curved ring over the path in a flat slab; twin of satf/plate_direction.cpp. On the outer surface the near
+/// side's, on the inner one the far side's, also where a polygon's silhouette is not quite the circle's.
 float chord_ratio(vec4 ring, float cos_t) {
   float inner = ring.x, outer = ring.y;
   float abs_cos = abs(cos_t), sin2 = max(0.0, 1.0 - cos_t * cos_t);
   float metric = sqrt(sin2 / (ring.z * ring.z) + (abs_cos * abs_cos) / (ring.w * ring.w));
   float to_inner = inner * inner - outer * outer * sin2;
-  float front = to_inner > 0.0 ? outer * abs_cos - sqrt(to_inner) : 2.0 * outer * abs_cos;
+  float hits_inner = clamp(0.5 + 0.5 * to_inner / 0.03, 0.0, 1.0);  // kTangentBlend
+  float front = (2.0 - hits_inner) * outer * abs_cos - sqrt(max(to_inner, 0.0));
   float back = sqrt(max(outer * outer - inner * inner * sin2, 0.0)) - inner * abs_cos;
   float slab = min(ring.w / max(abs_cos, 1e-6), max_path / metric);
-  return (cos_t >= 0.0 ? front : back) / slab;
+  return (inner_surface == 0u ? front : back) / slab;
 }
 
 void main() {
@@ -133,6 +136,7 @@ void main() {
   if (alpha < 1.0 / 2048.0) discard;
   if (use_curvature) {
     float cos_t = view_in_disk.x / max(length(view_in_disk.xy), 1e-6);
+    cos_t = inner_surface == 0u ? max(cos_t, 0.0) : min(cos_t, 0.0);
     float curved = 1.0 - pow(max(1.0 - alpha, 0.0), 1.0 + view_in_disk.z * (chord_ratio(map.ring, cos_t) - 1.0));
     premultiplied *= curved / alpha;
     alpha = curved;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pelage/console/options.h"
 #include "pelage/data_schema/errors.h"
 
 namespace pelage::app {
@@ -105,13 +106,13 @@ void switch_off(SatfSettings& satf, const std::string& name) {
   satf.*choose(switches, name, "--off") = false;
 }
 
-/// A scene file is JSON with a "hair" key; a hairstyle file has "clusters" instead.
+/// A scene file is JSON with a "hair" key; a hairstyle file has a list of clusters instead.
 bool is_scene_file(const std::filesystem::path& file) {
   if (file.extension() != ".json") return false;
   std::ifstream in(file);
   if (!in) throw InputError(file.string(), "cannot be read");
   const auto json = nlohmann::json::parse(in, nullptr, false);
-  return json.is_object() && !json.contains("clusters");
+  return json.is_object() && !(json.contains("clusters") && json["clusters"].is_array());
 }
 
 void check_input(const std::filesystem::path& file) {
@@ -134,21 +135,30 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
                   "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
   verb.add_option("--light", o->lights,
                   "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
-  verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")->capture_default_str();
+  verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")
+      ->capture_default_str()
+      ->check(console::finite(1e-6, 1e6));
   verb.add_option("--background", o->background, "transparent, or a colour like #d8dce0 [#ededed]");
   verb.add_option("--size", o->size, "Pixels, WIDTHxHEIGHT [1280x720]");
-  verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")->capture_default_str();
+  verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 8));
   verb.add_option("--database", o->database, "HRIR database; without it one adapted to the hair is baked and cached");
   verb.add_option(
       "--records", o->records,
       "database; own-alpha: opacity from the hair itself, reflectance from the database; direct: trace every "
       "sector (slow, to compare) [database]");
-  verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")->capture_default_str();
-  verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [2000]");
-  verb.add_option("--clusters", o->clusters, "Clusters fitted to a hair file, 1 to 10000")->capture_default_str();
-  verb.add_option("--layers", o->layers, "Layers of a cluster, 1 to 32 [3]");
-  verb.add_option("--sectors", o->sectors, "Sectors of the outermost layer, 3 to 256 [24]");
-  verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]");
+  verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 8));
+  verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [2000]")
+      ->check(CLI::Range(1, 1000000));
+  verb.add_option("--clusters", o->clusters, "Clusters fitted to a hair file, 1 to 10000")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000));
+  verb.add_option("--layers", o->layers, "Layers of a cluster, 1 to 32 [3]")->check(CLI::Range(1, 32));
+  verb.add_option("--sectors", o->sectors, "Sectors of the outermost layer, 3 to 256 [24]")->check(CLI::Range(3, 256));
+  verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]")->check(CLI::Range(2, 512));
   verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
   verb.add_option("--order", o->order, "Drawing order: patches, clusters, exact (per pixel) [patches]");
   verb.add_option("--off", o->off,

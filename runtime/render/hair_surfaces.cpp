@@ -21,17 +21,36 @@ int columns_of(int sectors) noexcept {
   return std::max(sectors, kFewestColumns);
 }
 
+/// Centre and outward normal of a quad.
+struct Plane {
+  glm::vec3 centre{0.0F}, normal{0.0F};
+};
+Plane plane_of(const std::vector<SurfaceVertex>& vertices, std::uint32_t first, std::uint32_t stride) {
+  Plane plane;
+  glm::vec3 outward{0.0F};
+  for (const std::uint32_t corner : {0U, 1U, stride, stride + 1U}) {
+    plane.centre += 0.25F * vertices[first + corner].position;
+    outward += vertices[first + corner].normal;
+  }
+  const auto at = [&](std::uint32_t corner) { return vertices[first + corner].position; };
+  plane.normal = glm::cross(at(stride + 1U) - at(0), at(stride) - at(1));
+  if (glm::dot(plane.normal, outward) < 0.0F) plane.normal = -plane.normal;
+  return plane;
+}
+
 /// One surface of a layer: (plates + 1) x (columns + 1) vertices, the last column repeats the first.
-void add_surface(const SatfModel& model, std::size_t instance, int layer, float radius,
+/// The polygon lies as much outside the circle as inside, so that silhouettes are where the circle has them.
+void add_surface(const SatfModel& model, std::size_t instance, int layer, float radius, std::uint32_t mark,
                  std::vector<SurfaceVertex>& out) {
   const SweptCluster& swept = model.instances[instance].swept;
   const int columns = columns_of(sectors_in_layer(model.division, layer));
   const auto width = static_cast<float>(model.layout.widths[static_cast<std::size_t>(layer)]);
   const int last = swept.plates();
+  const float grown = radius / std::sqrt(std::cos(kTwoPi / 2.0F / static_cast<float>(columns)));
   for (int i = 0; i <= last; ++i) {
     for (int c = 0; c <= columns; ++c) {
       const float share = static_cast<float>(c) / static_cast<float>(columns);
-      const glm::vec2 disk = radius * glm::vec2(std::cos(kTwoPi * share), std::sin(kTwoPi * share));
+      const glm::vec2 disk = grown * glm::vec2(std::cos(kTwoPi * share), std::sin(kTwoPi * share));
       const Frame& frame = swept.frames[static_cast<std::size_t>(i)];
       SurfaceVertex v{};
       v.position = swept.point(i, disk);
@@ -46,8 +65,9 @@ void add_surface(const SatfModel& model, std::size_t instance, int layer, float 
       v.normal = glm::normalize(outward - glm::dot(outward, t) * t);
       v.map_at = {share * width, static_cast<float>(i)};
       v.map_id = static_cast<std::uint32_t>(instance * static_cast<std::size_t>(model.division.layers) +
-                                            static_cast<std::size_t>(layer));
-      v.azimuth = disk / radius;
+                                            static_cast<std::size_t>(layer)) |
+                 mark;
+      v.azimuth = disk / grown;
       out.push_back(v);
     }
   }
@@ -71,28 +91,27 @@ void add_layer(const SatfModel& model, std::size_t instance, int layer, HairSurf
   const int columns = columns_of(sectors_in_layer(model.division, layer));
   const auto stride = static_cast<std::uint32_t>(columns + 1);
   const auto outer = static_cast<std::uint32_t>(out.vertices.size());
-  add_surface(model, instance, layer, layer_radius(model.division, layer + 1), out.vertices);
+  add_surface(model, instance, layer, layer_radius(model.division, layer + 1), 0, out.vertices);
   const auto inner = static_cast<std::uint32_t>(out.vertices.size());
-  add_surface(model, instance, layer, layer_radius(model.division, layer), out.vertices);
+  add_surface(model, instance, layer, layer_radius(model.division, layer), kInnerSurface, out.vertices);
   for (int i = 0; i < model.division.plates; ++i) {
     for (int c = 0; c < columns; ++c) {
       if (!has_hair(model, instance, layer, c, columns, i)) continue;
       const std::uint32_t offset = static_cast<std::uint32_t>(i) * stride + static_cast<std::uint32_t>(c);
-      Patch p{outer + offset, inner + offset, stride, out.vertices[outer].map_id, {}, {}, {}};
-      glm::vec3 normal{0.0F};
-      for (const std::uint32_t corner : {0U, 1U, stride, stride + 1U}) {
-        p.centre += 0.25F * out.vertices[p.outer + corner].position;
-        p.inner_centre += 0.25F * out.vertices[p.inner + corner].position;
-        normal += out.vertices[p.outer + corner].normal;
-      }
-      p.normal = glm::length(normal) > 0.0F ? glm::normalize(normal) : glm::vec3(0, 0, 1);
+      const Plane near = plane_of(out.vertices, outer + offset, stride),
+                  far = plane_of(out.vertices, inner + offset, stride);
+      const Patch p{outer + offset, inner + offset, stride,     out.vertices[outer].map_id,
+                    near.centre,    near.normal,    far.centre, far.normal};
       out.patches.push_back(p);
     }
   }
 }
 
-bool faces(const Patch& p, glm::vec3 eye) noexcept {
-  return glm::dot(p.normal, eye - p.centre) >= 0.0F;
+bool draws_outer(const Patch& p, glm::vec3 eye) noexcept {
+  return glm::dot(p.outer_normal, eye - p.outer_centre) >= 0.0F;
+}
+bool draws_inner(const Patch& p, glm::vec3 eye) noexcept {
+  return glm::dot(p.inner_normal, eye - p.inner_centre) < 0.0F;
 }
 
 /// Monotone in the float, for sorting as integers.
@@ -101,19 +120,19 @@ std::uint32_t sortable(float f) noexcept {
   return (bits & 0x80000000U) != 0U ? ~bits : bits | 0x80000000U;
 }
 
-/// Sort key of a patch, ascending = drawn first.
+/// Sort key of a quad, ascending = drawn first.
 std::uint64_t key_of(const HairSurfaces& surfaces, const Division& division, DrawOrder order, glm::vec3 eye,
-                     const Patch& p) {
-  const bool front = faces(p, eye);
+                     const Patch& p, bool outer) {
+  if (order == DrawOrder::exact) return 0;
   if (order == DrawOrder::patches) {
-    const glm::vec3 d = (front ? p.centre : p.inner_centre) - eye;
+    const glm::vec3 d = (outer ? p.outer_centre : p.inner_centre) - eye;
     return static_cast<std::uint64_t>(~sortable(glm::dot(d, d))) << 32;
   }
   // Clusters far to near; in each, far side outer to inner, then near side inner to outer (exact for a convex cluster).
   const auto layers = static_cast<std::uint32_t>(division.layers);
   const std::uint32_t instance = p.instance_layer / layers, layer = p.instance_layer % layers;
   const glm::vec3 d = surfaces.instance_centres[instance] - eye;
-  const std::uint32_t within = front ? layers + layer : layers - 1 - layer;
+  const std::uint32_t within = outer ? layers + layer : layers - 1 - layer;
   return static_cast<std::uint64_t>(~sortable(glm::dot(d, d))) << 32 | static_cast<std::uint64_t>(within) << 24;
 }
 
@@ -134,22 +153,20 @@ std::vector<std::uint32_t> ordered_indices(const HairSurfaces& surfaces, const D
                                            glm::vec3 eye) {
   struct Item {
     std::uint64_t key;
-    std::uint32_t patch;
-    bool operator<(const Item& o) const noexcept { return key != o.key ? key < o.key : patch < o.patch; }
+    std::uint32_t first, next_plate;  // vertex, and stride to the next plate
+    bool operator<(const Item& o) const noexcept { return key != o.key ? key < o.key : first < o.first; }
   };
-  std::vector<Item> items(surfaces.patches.size());
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::uint64_t key =
-        order == DrawOrder::exact ? 0 : key_of(surfaces, division, order, eye, surfaces.patches[i]);
-    items[i] = {key, static_cast<std::uint32_t>(i)};
+  std::vector<Item> items;
+  items.reserve(surfaces.patches.size() + surfaces.patches.size() / 8);
+  for (const Patch& p : surfaces.patches) {
+    if (draws_outer(p, eye)) items.push_back({key_of(surfaces, division, order, eye, p, true), p.outer, p.next_plate});
+    if (draws_inner(p, eye)) items.push_back({key_of(surfaces, division, order, eye, p, false), p.inner, p.next_plate});
   }
   if (order != DrawOrder::exact) tbb::parallel_sort(items.begin(), items.end());
   std::vector<std::uint32_t> indices;
   indices.reserve(6 * items.size());
   for (const Item& item : items) {
-    const Patch& p = surfaces.patches[item.patch];
-    const std::uint32_t a = faces(p, eye) ? p.outer : p.inner;
-    const std::uint32_t b = a + 1, c = a + p.next_plate, d = c + 1;
+    const std::uint32_t a = item.first, b = a + 1, c = a + item.next_plate, d = c + 1;
     indices.insert(indices.end(), {a, b, d, a, d, c});
   }
   return indices;

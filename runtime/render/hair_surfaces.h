@@ -2,8 +2,8 @@
 //
 // A layer is drawn where a ray enters it: its outer surface where that faces the viewer, its inner surface where the
 // viewer looks at the cluster's far side from within (records are parametrised the same way, db/record_source.h). A
-// patch is one HSV's piece of a layer; it is drawn as one of the two. Patches whose sectors hold no strand are left
-// out.
+// patch is one HSV's piece of a layer; each of its two quads is drawn or not by its own plane, so that both silhouettes
+// close. Patches whose sectors hold no strand are left out.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,18 @@ struct SurfaceVertex {
   glm::vec3 tangent;     // along the strands, not normalised
   glm::vec3 normal;      // outward, unit
   glm::vec2 map_at;      // texel around (unwrapped), plate
-  std::uint32_t map_id;  // instance * layers + layer
+  std::uint32_t map_id;  // instance * layers + layer, + kInnerSurface
   glm::vec2 azimuth;     // cos and sin of u
 };
+
+/// Marks map_id on inner surfaces.
+inline constexpr std::uint32_t kInnerSurface = 0x80000000U;
 
 struct Patch {
   std::uint32_t outer, inner;    // first vertex of the outer and the inner surface
   std::uint32_t next_plate;      // vertices from one plate to the next; the next column is the next vertex
-  std::uint32_t instance_layer;  // as SurfaceVertex::map_id
-  glm::vec3 centre, normal;      // of the outer surface
-  glm::vec3 inner_centre;
+  std::uint32_t instance_layer;  // instance * layers + layer
+  glm::vec3 outer_centre, outer_normal, inner_centre, inner_normal;  // of the two quads, normals outward
 };
 
 struct HairSurfaces {

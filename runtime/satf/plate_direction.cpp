@@ -12,6 +12,11 @@ constexpr float kPi = std::numbers::pi_v<float>;
 /// In-plane part below which the azimuth of a float direction is rounding noise.
 constexpr float kNoAzimuth = 1e-6F;
 
+/// Half-width, in squared disk radii, over which the near side's chord changes from "up to the inner surface" to
+/// "through the whole ring": the inner surface is drawn as a polygon, a step exactly at its circle would show as a
+/// bright line.
+constexpr float kTangentBlend = 0.03F;
+
 float square(float x) noexcept {
   return x * x;
 }
@@ -61,8 +66,8 @@ float chord_ratio(const RingShape& ring, float cos_t, float max_path) noexcept {
   const float abs_cos = std::abs(cos_t), sin2 = std::max(0.0F, 1.0F - cos_t * cos_t);
   const float metric = std::sqrt(sin2 / square(ring.width) + square(abs_cos / ring.height));  // |J^-1 d| in the disk
   const float to_inner = inner2 - outer2 * sin2;
-  const float front =
-      to_inner > 0.0F ? ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F)) : 2.0F * ring.outer * abs_cos;
+  const float hits_inner = std::clamp(0.5F + 0.5F * to_inner / kTangentBlend, 0.0F, 1.0F);
+  const float front = (2.0F - hits_inner) * ring.outer * abs_cos - std::sqrt(std::max(to_inner, 0.0F));
   const float back = std::sqrt(std::max(outer2 - inner2 * sin2, 0.0F)) - ring.inner * abs_cos;
   const float slab = std::min(ring.height / std::max(abs_cos, 1e-6F), max_path / metric);
   return (cos_t >= 0.0F ? front : back) / slab;

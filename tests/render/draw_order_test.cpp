@@ -102,7 +102,7 @@ TEST_F(Order, PatchesIsCloseToExact) {
   EXPECT_LT(clusters.rms, 0.02);
 }
 
-TEST_F(Order, EveryOrderDrawsEachPatchOnce) {
+TEST_F(Order, EveryOrderDrawsTheSameQuads) {
   Scene scene(test::three_locks());
   const auto all = [&](DrawOrder order) {
     const auto indices = scene.indices(order);
@@ -110,7 +110,9 @@ TEST_F(Order, EveryOrderDrawsEachPatchOnce) {
     for (std::size_t i = 0; i < indices.size(); i += 6) first.insert(indices[i]);
     return first;
   };
-  EXPECT_EQ(all(DrawOrder::exact).size(), scene.surfaces.patches.size());
+  // A patch on a silhouette shows both of its quads, or none; the others one.
+  const auto quads = static_cast<double>(all(DrawOrder::exact).size());
+  EXPECT_NEAR(quads / static_cast<double>(scene.surfaces.patches.size()), 1.0, 0.1);
   EXPECT_EQ(all(DrawOrder::exact), all(DrawOrder::patches));
   EXPECT_EQ(all(DrawOrder::exact), all(DrawOrder::clusters));
 }
