@@ -11,9 +11,9 @@ cmake --build --preset release --target pelage pelage-bake
 bin=build/release/bin
 mkdir -p "$out"
 
-# A head with five hairstyles; the first out of a database that is baked by hand, step by step.
+# A head with four hairstyles; the first out of a database that is baked by hand, step by step.
 "$bin/pelage" groom --style wavy --strands 15000 --seed 1 -o "$out/wavy.hair" --head-out "$out/head.obj"
-"$bin/pelage" cluster "$out/wavy.hair" -o "$out/wavy.json" --clusters 150
+"$bin/pelage" cluster "$out/wavy.hair" -o "$out/wavy.json" --clusters 150 --plates 48
 "$bin/pelage-bake" build --from "$out/wavy.json" --sectors 2000 -o "$out/wavy.hrir"
 "$bin/pelage-bake" info "$out/wavy.hrir"
 "$bin/pelage" render "$out/wavy.json" --database "$out/wavy.hrir" --head "$out/head.obj" --size 960x720 -o "$out/wavy.png" --stats
@@ -21,9 +21,10 @@ mkdir -p "$out"
 # The others with one command each: clusters are fitted, and a database is baked and cached, on the way.
 materials=(black red blond)
 styles=(bob curly ponytail)
+plates=(24 80 24)  # curls need more
 for i in 0 1 2; do
   "$bin/pelage" groom --style "${styles[i]}" --strands 15000 --seed 1 -o "$out/${styles[i]}.hair"
-  "$bin/pelage" render "$out/${styles[i]}.hair" --head "$out/head.obj" --material "${materials[i]}" --size 960x720 \
-    -o "$out/${styles[i]}.png"
+  "$bin/pelage" render "$out/${styles[i]}.hair" --head "$out/head.obj" --material "${materials[i]}" --plates "${plates[i]}" \
+    --size 960x720 -o "$out/${styles[i]}.png"
 done
 echo "Pictures: $out/wavy.png $out/bob.png $out/curly.png $out/ponytail.png"

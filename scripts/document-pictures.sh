@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Makes every picture of docs/ anew, with the release build that scripts/demo.sh leaves behind.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+bin=build/release/bin
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+render() { "$bin/pelage" render "$@" --head "$work/head.obj" --size 480x480 --log-level warn; }
+
+for hair in "wavy brown 48" "bob black 24" "curly red 80" "ponytail blond 24"; do
+  read -r style material plates <<<"$hair"
+  "$bin/pelage" groom --style "$style" --strands 15000 --seed 1 -o "$work/$style.hair" --head-out "$work/head.obj" --log-level warn
+  render "$work/$style.hair" --material "$material" --plates "$plates" -o "docs/$style.png"
+done
+# What the rungs of the accuracy ladder and the effects look like, on the bob.
+render "$work/bob.hair" --records direct -o docs/bob-direct.png
+render "$work/bob.hair" --records own-alpha -o docs/bob-own-alpha.png
+render "$work/bob.hair" -o docs/bob-database.png
+render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
