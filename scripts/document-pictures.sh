@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=build/release/bin
 work=$(mktemp -d)
+mkdir -p docs
 trap 'rm -rf "$work"' EXIT
 render() { "$bin/pelage" render "$@" --head "$work/head.obj" --size 480x480 --log-level warn; }
 
