@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 #include "pelage/bake/planar_tracer.h"
 #include "pelage/bake/sector_sampling.h"
@@ -77,26 +78,31 @@ StoredSector bake_sector(const PlanarTracer& tracer, std::vector<glm::vec2> cros
   return row;
 }
 
-/// Bakes rows writer.rows() .. sectors-1 on all threads and appends them in order.
+/// Bakes rows writer.rows() .. sectors-1 on all threads and appends them in order. The rows under way are consecutive
+/// and no more than the tokens, so that each has a slot of its own; slots outlive an interruption, on which the
+/// pipeline drops its tokens without destroying them.
 void bake_rows(const PlanarTracer& tracer, const Plan& plan, DatabaseWriter& writer,
                const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   std::uint64_t next = writer.rows();
-  const auto tokens = static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency());
+  std::vector<StoredSector> slots(static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency()));
   const auto number = [&](tbb::flow_control& control) -> std::uint64_t {
     if (next == plan.sectors) control.stop();
     return next == plan.sectors ? 0 : next++;
   };
-  const auto trace = [&](std::uint64_t i) {
-    return std::make_shared<const StoredSector>(bake_sector(tracer, plan.crossings(i), i));
+  const auto trace = [&](std::uint64_t i) -> StoredSector* {
+    StoredSector& row = slots[static_cast<std::size_t>(i % slots.size())];
+    row = bake_sector(tracer, plan.crossings(i), i);
+    return &row;
   };
-  const auto store = [&](const std::shared_ptr<const StoredSector>& row) {
+  const auto store = [&](const StoredSector* row) {
     writer.append(*row);
     if (progress) progress(writer.rows(), plan.sectors);
   };
-  using Row = std::shared_ptr<const StoredSector>;
-  tbb::parallel_pipeline(tokens, tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, number) &
-                                     tbb::make_filter<std::uint64_t, Row>(tbb::filter_mode::parallel, trace) &
-                                     tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, store));
+  using Row = StoredSector*;
+  tbb::parallel_pipeline(slots.size(),
+                         tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, number) &
+                             tbb::make_filter<std::uint64_t, Row>(tbb::filter_mode::parallel, trace) &
+                             tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, store));
 }
 
 }  // namespace
