@@ -9,6 +9,7 @@
 
 #include "pelage/console/options.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/render/renderer.h"
 
 namespace pelage::app {
 namespace {
@@ -121,6 +122,16 @@ void check_input(const std::filesystem::path& file) {
     throw InputError(file.string(), "is a folder; give a scene, hairstyle or hair file");
 }
 
+/// What a hairstyle file has decided already cannot be asked for again.
+void check_hairstyle_options(const CLI::App& verb, const Scene& scene) {
+  if (std::filesystem::path(scene.hair).extension() != ".json") return;
+  for (const char* const option : {"--clusters", "--layers", "--sectors", "--plates"}) {
+    if (verb.count(option) == 0) continue;
+    throw UsageError(std::string(option) + " is for hair files; " + scene.hair +
+                     " is a hairstyle: change it there, or run `pelage cluster` with " + option);
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
@@ -218,6 +229,11 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
         "--order");
   }
   for (const std::string& name : o.off) switch_off(scene.satf, name);
+  check_hairstyle_options(verb, scene);
+  if (scene.lights.size() > kMaxLights) {
+    throw UsageError("the scene has " + std::to_string(scene.lights.size()) + " lights; at most " +
+                     std::to_string(kMaxLights) + " are drawn");
+  }
   return scene;
 }
 

@@ -44,8 +44,8 @@ DensityMap::DensityMap(std::span<const Segment> segments, glm::vec3 to_light, fl
     : to_light_frame_(light_frame(to_light)) {
   check_finite(segments);
   fit_box(segments, resolution);
-  own_.assign(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z),
-              0.0F);
+  depth_.assign(
+      static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z), 0.0F);
   for (const Segment& s : segments) {
     const glm::vec3 a = to_light_frame_ * s.a;
     const glm::vec3 step = to_light_frame_ * s.b - a;
@@ -56,6 +56,8 @@ DensityMap::DensityMap(std::span<const Segment> segments, glm::vec3 to_light, fl
       deposit(a + ((static_cast<float>(i) + 0.5F) / static_cast<float>(pieces)) * step, depth);
     }
   }
+  const double sum = std::accumulate(depth_.begin(), depth_.end(), 0.0);
+  deposited_area_m2_ = sum * static_cast<double>(cell_) * static_cast<double>(cell_);
   sum_along_light();
 }
 
@@ -90,13 +92,12 @@ void DensityMap::deposit(glm::vec3 q, float depth) noexcept {
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
     const float w = (i ? f.x : 1 - f.x) * (j ? f.y : 1 - f.y) * (k ? f.z : 1 - f.z);
-    own_[index(x + i, y + j, z + k)] += w * depth;
+    depth_[index(x + i, y + j, z + k)] += w * depth;
   }
 }
 
 void DensityMap::sum_along_light() noexcept {
   // Depth at a cell's centre plane: all cells nearer to the light and half of the cell itself.
-  depth_ = own_;
   const std::size_t slice = static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z);
   std::vector<float> total(slice, 0.0F);
   for (std::size_t x = 0; x < static_cast<std::size_t>(size_.x); ++x) {
@@ -133,11 +134,6 @@ float DensityMap::optical_depth(glm::vec3 p) const noexcept {
 
 float DensityMap::transmittance(glm::vec3 p) const noexcept {
   return std::exp(-optical_depth(p));
-}
-
-double DensityMap::deposited_area_m2() const noexcept {
-  const double sum = std::accumulate(own_.begin(), own_.end(), 0.0);
-  return sum * static_cast<double>(cell_) * static_cast<double>(cell_);
 }
 
 }  // namespace pelage

@@ -37,7 +37,7 @@ class DensityMap {
   std::size_t bytes() const noexcept { return depth_.size() * sizeof(float); }
   float cell_size_m() const noexcept { return cell_; }
   /// Blocked area [m^2] that was deposited in all.
-  double deposited_area_m2() const noexcept;
+  double deposited_area_m2() const noexcept { return deposited_area_m2_; }
 
  private:
   void fit_box(std::span<const Segment> segments, int resolution);
@@ -51,7 +51,7 @@ class DensityMap {
   float cell_ = 1.0F;               // cell size ds [m]
   glm::ivec3 size_{1};              // cells: along the light, across, across
   std::vector<float> depth_;        // [x][y][z] optical depth from the light to the far end of the cell's centre plane
-  std::vector<float> own_;          // scratch of the fill: optical depth of the cell alone
+  double deposited_area_m2_ = 0;
 };
 
 }  // namespace pelage

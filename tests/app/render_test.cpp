@@ -22,12 +22,7 @@ class Render : public ::testing::Test {
  protected:
   /// render lock.scene.json, small and quick, with these options besides.
   std::vector<std::string> lock(const std::vector<std::string>& more) const {
-    std::vector<std::string> all{"render",         kExamples + "lock.scene.json",
-                                 "--size",         "64x48",
-                                 "--bake-sectors", "60",
-                                 "--layers",       "2",
-                                 "--sectors",      "8",
-                                 "--plates",       "8"};
+    std::vector<std::string> all{"render", kExamples + "lock.scene.json", "--size", "64x48", "--bake-sectors", "60"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -170,6 +165,25 @@ TEST_F(Render, NumbersOutOfRangeAreUsageErrorsBeforeAnyWork) {
                   {"--plates", "1"},
                   {"--clusters", "0"}},
                  [&](const Result& r) { expect_no_work(r); });
+}
+
+TEST_F(Render, WhatAHairstyleHasDecidedIsNotIgnored) {
+  for (const char* const option : {"--clusters", "--layers", "--sectors", "--plates"}) {
+    const Result r = run(folder, {"render", kExamples + "lock.hairstyle.json", option, "4", "-o", "@a.png"});
+    EXPECT_EQ(r.code, 2) << option;
+    EXPECT_NE(r.err.find("is a hairstyle"), std::string::npos) << r.err;
+  }
+}
+
+TEST_F(Render, MoreLightsThanAreDrawnAreRefusedBeforeAnyWork) {
+  std::vector<std::string> arguments{"render", kExamples + "lock.hairstyle.json", "-o", "@a.png"};
+  for (int i = 0; i < 5; ++i) {
+    arguments.push_back("--light");
+    arguments.push_back("1,1," + std::to_string(i + 1));
+  }
+  const Result r = run(folder, arguments);
+  EXPECT_EQ(r.code, 2) << r.err;
+  EXPECT_NE(r.err.find("5 lights"), std::string::npos) << r.err;
 }
 
 TEST_F(Render, MissingOutputOrInputIsSaid) {

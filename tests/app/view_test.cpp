@@ -10,13 +10,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 std::vector<std::string> view(const std::string& frames) {
-  return {"view",           kExamples + "lock.scene.json",
-          "--size",         "64x48",
-          "--bake-sectors", "60",
-          "--layers",       "2",
-          "--sectors",      "8",
-          "--plates",       "8",
-          "--frames",       frames};
+  return {"view", kExamples + "lock.scene.json", "--size", "64x48", "--bake-sectors", "60", "--frames", frames};
 }
 
 TEST(View, WithoutADisplayExitsFiveWithAHint) {

@@ -58,8 +58,7 @@ TEST_P(MassConserved, DepthIntegratesToTheStrands) {
     }
     // A disk-space impact parameter b lies det(S) |S^-1 d| b from the axis across the view.
     const double across = 2.0 / kRays * static_cast<double>(s.determinant() * d.stretch);
-    const double mass =
-        static_cast<double>(scene.model.mass_per_area[4 * 4 + 2] * s.determinant());
+    const double mass = static_cast<double>(scene.model.mass_per_area[4 * 4 + 2] * s.determinant());
     // 3 %: sectors are taken as parallelograms (the ring's arc within +-1 spacing), and M differs by layer.
     EXPECT_NEAR(sum * across / (300 * mass), 1.0, 0.03) << "view " << a;
   }
