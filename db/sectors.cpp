@@ -112,7 +112,7 @@ SectorSet sectors_of(std::span<const Cluster> clusters, const Division& division
             if (i + 1 >= plates || !at[i + 1][strand]) continue;
             // Strands near the middle of the sector tell most about its drift; near the axis u is ill-defined.
             const float next = s_of(at[i + 1][strand]->u, k, n);
-            const double w = std::max(0.0F, 1.0F - std::abs(2.0F * p.x - 1.0F));
+            const auto w = static_cast<double>(std::max(0.0F, 1.0F - std::abs(2.0F * p.x - 1.0F)));
             if (std::abs(next - p.x) > 0.5F) continue;
             drift += w * static_cast<double>(next - p.x);
             weight += w;
