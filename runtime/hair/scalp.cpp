@@ -16,7 +16,7 @@ constexpr float kOutside_m = 0.16F;                 // farther from the centre t
 constexpr float kJitter = 0.33F;                    // of the lattice's spacing
 constexpr float kFuzz = 0.05F;                      // width of the hairline, as the sine of an elevation
 constexpr float kGoldenTurns = 0.38196601F;
-constexpr std::uint32_t kJitterStream = 1, kFuzzStream = 2;
+constexpr std::uint32_t kJitterStream = 1;
 
 /// The hairline: sine of the elevation above which hair grows, against the azimuth (0 front, 1 side, 2 back; |x| and z
 /// in diamond measure).
