@@ -8,7 +8,7 @@ uniform uint heads_width;
 
 layout(location = 0) out vec4 colour;
 
-const int kMost = 256;  // fragments of a pixel beyond these are the farthest in list order and are left out
+const int kMost = 256;  // of a pixel; older fragments of a longer list are left out
 const uint kEnd = 0xffffffffu;
 
 void main() {
@@ -18,7 +18,7 @@ void main() {
   while (at != kEnd && count < kMost) {
     float depth = fragments[at].depth;
     int i = count++;
-    // Ties: the slot number decides, so that the result does not depend on the order of arrival more than it must.
+    // Fragments of equal depth keep the order of the list.
     while (i > 0 && fragments[order[i - 1]].depth < depth) {
       order[i] = order[i - 1];
       --i;

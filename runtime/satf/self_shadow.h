@@ -20,7 +20,7 @@ namespace pelage {
 struct ShadowRequest {
   glm::vec3 to_light{0, 1, 0};         // unit
   bool self_shadow = true;             // within the cluster, following the light
-  bool curvature = true;               // as in MapRequest
+  bool curvature = true;               // the chord of the curved ring, as the picture has it
   const DensityMap* others = nullptr;  // shadow of everything beyond the envelope; null: none
 };
 
