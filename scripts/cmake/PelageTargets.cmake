@@ -14,6 +14,13 @@ if(PELAGE_SANITIZE)
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(pelage_options INTERFACE -fsanitize=${PELAGE_SANITIZE})
 endif()
+if(PELAGE_BUILD_FUZZERS)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    message(FATAL_ERROR "libFuzzer comes with clang: configure with --preset fuzz")
+  endif()
+  target_compile_options(pelage_options INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(pelage_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # pelage_box(<box> SOURCES ... [PUBLIC targets...] [PRIVATE targets...])
 # Defines the static library pelage_<box> with the alias pelage::<box>; headers are included as "pelage/<box>/name.h".
