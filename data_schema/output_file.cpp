@@ -1,6 +1,7 @@
 #include "pelage/data_schema/output_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -30,10 +31,11 @@ fs::path follow(const fs::path& file) {
   return fs::is_symlink(file, none) ? fs::weakly_canonical(file, none) : file;
 }
 
+/// A hidden folder beside the file, and in it the file's own name.
 fs::path temporary_name(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   const std::string unique = "." + std::to_string(getpid()) + "-" + std::to_string(counter++);
-  return folder_of(file) / ("." + file.stem().string() + unique + ".part" + file.extension().string());
+  return folder_of(file) / ("." + file.filename().string() + unique + ".part") / file.filename();
 }
 
 }  // namespace
@@ -57,14 +59,21 @@ void check_writable(const fs::path& file) {
 
 AtomicFile::AtomicFile(const fs::path& file) : file_(follow(file)), temporary_(temporary_name(file_)) {
   check_writable(file);
+  const fs::path folder = temporary_.parent_path();
+  if (mkdir(folder.c_str(), 0777) != 0)
+    throw OutputError(file.string(), "cannot create a folder beside it: " + reason(errno));
   const int descriptor = open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-  if (descriptor < 0) throw OutputError(file.string(), "cannot create a file beside it: " + reason(errno));
+  if (descriptor < 0) {
+    const int error = errno;
+    rmdir(folder.c_str());
+    throw OutputError(file.string(), "cannot create a file beside it: " + reason(error));
+  }
   close(descriptor);
 }
 
 AtomicFile::~AtomicFile() {
   std::error_code none;
-  if (!committed_) fs::remove(temporary_, none);
+  fs::remove_all(temporary_.parent_path(), none);
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -78,7 +87,7 @@ void AtomicFile::commit() {
   std::error_code error;
   fs::rename(temporary_, file_, error);
   if (error) throw OutputError(file_.string(), "cannot rename the finished file: " + error.message());
-  committed_ = true;
+  fs::remove_all(temporary_.parent_path(), error);
 }
 
 }  // namespace pelage

@@ -10,8 +10,9 @@ namespace pelage {
 /// @throws OutputError (missing folder, is a folder, not a regular file, not writable) with the remedy
 void check_writable(const std::filesystem::path& file);
 
-/// A file written to a temporary beside it and renamed on commit(): readers see the earlier file or the whole new one.
-/// Without commit() (an exception, Ctrl-C) the temporary is removed and the earlier file stays as it was.
+/// A file written to a temporary and renamed on commit(): readers see the earlier file or the whole new one. The
+/// temporary has a folder of its own beside the file, so that what a library leaves next to it (SQLite's journal after
+/// a failed write) goes with it. Without commit() (an exception, Ctrl-C) the earlier file stays as it was.
 class AtomicFile {
  public:
   /// Creates the empty temporary. A symbolic link is followed. @throws OutputError as check_writable
@@ -20,7 +21,7 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// What to write to, by whatever library; same folder, same extension.
+  /// What to write to, by whatever library; same name, same file system.
   const std::filesystem::path& temporary() const noexcept { return temporary_; }
   /// Replaces the temporary's content. @throws OutputError, e.g. disk full
   void write(std::string_view bytes);
@@ -29,7 +30,6 @@ class AtomicFile {
 
  private:
   std::filesystem::path file_, temporary_;
-  bool committed_ = false;
 };
 
 }  // namespace pelage

@@ -50,6 +50,16 @@ TEST(OutputFile, FileAppearsWholeOnCommit) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
+TEST(OutputFile, WhatALibraryLeavesBesideTheTemporaryGoesToo) {
+  const test::TemporaryFolder folder;
+  {
+    const AtomicFile out(folder / "out.hrir");
+    std::ofstream(out.temporary().string() + "-journal") << "x";
+    EXPECT_EQ(folder.entries(), 1U);
+  }
+  EXPECT_EQ(folder.entries(), 0U);
+}
+
 TEST(OutputFile, AbandonedWriteKeepsTheOldFileAndNoTemporary) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.write("out.json", "old");

@@ -64,7 +64,7 @@ class Bake {
     std::error_code gone;
     for (const auto& entry : fs::directory_iterator(folder_ / "", gone)) {
       const std::string name = entry.path().filename().string();
-      if (name == "x.hrir" || (name.starts_with(".x.") && !known_.contains(name))) return true;
+      if (name == "x.hrir" || (name.starts_with(".x.hrir.") && !known_.contains(name))) return true;
     }
     return false;
   }
@@ -74,7 +74,7 @@ class Bake {
   /// Temporaries of killed bakes: nobody could remove them in time.
   void note_leftovers() {
     for (const auto& entry : fs::directory_iterator(folder_ / ""))
-      if (const std::string name = entry.path().filename().string(); name.starts_with(".x.")) known_.insert(name);
+      if (const std::string name = entry.path().filename().string(); name.starts_with(".x.hrir.")) known_.insert(name);
   }
   std::size_t entries() const { return folder_.entries(); }
 

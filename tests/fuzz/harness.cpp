@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <memory>
 
 namespace pelage::fuzz {
 namespace {
@@ -52,15 +52,26 @@ fs::path scratch(std::string_view name) {
   return folder / name;
 }
 
+// C streams: C++ ones swallow what their own allocations throw, and tests/faults lets those fail.
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
 fs::path scratch(std::string_view name, std::string_view bytes) {
-  fs::path file = scratch(name);
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return file;
+  fs::path path = scratch(name);
+  const File file(std::fopen(path.c_str(), "wb"));
+  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
+    throw std::runtime_error("cannot write " + path.string());
+  return path;
 }
 
-std::string bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+std::string bytes_of(const fs::path& path) {
+  const File file(std::fopen(path.c_str(), "rb"));
+  std::string bytes(fs::file_size(path), '\0');
+  if (!file || std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
+    throw std::runtime_error("cannot read " + path.string());
+  return bytes;
 }
 
 }  // namespace pelage::fuzz

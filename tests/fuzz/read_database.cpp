@@ -9,6 +9,7 @@
 #include "harness.h"
 #include "pelage/db/database.h"
 #include "pelage/db/record_bank.h"
+#include "tiny_database.h"
 
 namespace pelage::fuzz {
 namespace {
@@ -17,42 +18,9 @@ constexpr int kRecords = 3;
 /// A checksum is 8 bytes: fewer changed bytes cannot fit it to other content, other than by a chance of 2^-64.
 constexpr std::ptrdiff_t kFewBytes = 4;
 
-BakeSettings tiny_settings(Storage storage) {
-  BakeSettings s;
-  s.sectors = kRecords;
-  s.views = s.lights = s.samples = 4;
-  s.grid = 8;
-  s.features = FeatureSet::paper3;
-  s.storage = storage;
-  return s;
-}
-
-StoredSector tiny_sector(const BakeSettings& settings, int index) {
-  const RecordShape shape = record_shape(settings);
-  std::vector<float> tau, re;
-  for (std::size_t i = 0; i < shape.tau_size(); ++i) tau.push_back(0.01F * static_cast<float>((7 * i + 3) % 29));
-  for (std::size_t i = 0; i < shape.re_size(); ++i) re.push_back(0.05F * static_cast<float>((11 * i + 5) % 37));
-  StoredSector s;
-  const auto id = static_cast<float>(index);
-  s.features = {1.0F + id, 0.5F - 0.1F * id, 0.25F * id};
-  s.crossings.assign(static_cast<std::size_t>(index), glm::vec2(0.25F, 0.75F));
-  s.tau = quantise(tau, settings.storage, "tau");
-  s.re = quantise(re, settings.storage, "re");
-  return s;
-}
-
 std::string tiny_database(Storage storage) {
-  const BakeSettings settings = tiny_settings(storage);
   const std::filesystem::path file = scratch("seed.hrir");
-  DatabaseWriter writer(file, {settings, "random", "", "", "seed", kRecords});
-  for (int i = 0; i < kRecords; ++i) writer.append(tiny_sector(settings, i));
-  const auto finish = [](auto& w) {
-    if constexpr (requires { w.finish(); })
-      w.finish();
-    else
-      w.finish({{1, 2, 3}, {0.5, 0.25, 0}});
-  };
-  finish(writer);
+  write_tiny_database(file, tiny_settings(storage, kRecords));
   return bytes_of(file);
 }
 
