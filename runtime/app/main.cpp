@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   pelage::app::add_groom(app);
   pelage::app::add_info(app);
+  pelage::app::add_convert(app);
   pelage::app::add_cluster(app);
   pelage::app::add_render(app);
   pelage::app::add_view(app);

@@ -38,7 +38,7 @@ void info_of_hair(const Options& options) {
   read.check_unit = false;  // an implausible unit is one of the things to show
   hair::ReadReport report;
   const Strands strands = hair::read_hair(options.input, read, &report);
-  const hair::HairFacts facts = hair::hair_facts(strands, report, read.metres_per_unit);
+  const hair::HairFacts facts = hair::hair_facts(strands, report, report.metres_per_unit);
   fmt::print("{}", console::common().json ? hair::to_json(facts) + "\n" : hair::to_text(facts));
 }
 
@@ -107,7 +107,8 @@ void run(const Options& options) {
 void add_info(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "Show what a hair file or a hairstyle holds, and what looks implausible");
   const auto options = std::make_shared<Options>();
-  verb->add_option("file", options->input, "HAIR or TFX 4 file, or a hairstyle (.json)")->required();
+  verb->add_option("file", options->input, "hair file (.hair, .tfx, .data, .ply, .obj, .usda), or a hairstyle (.json)")
+      ->required();
   verb->add_option("--unit", options->unit, "of the hair file: m, cm, mm, in, or metres per unit")
       ->capture_default_str();
   verb->add_option("--up", options->up, "axis of the hair file that points up: x, y or z")->capture_default_str();

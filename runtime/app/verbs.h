@@ -7,6 +7,7 @@ namespace pelage::app {
 
 void add_groom(CLI::App& app);
 void add_info(CLI::App& app);
+void add_convert(CLI::App& app);
 void add_cluster(CLI::App& app);
 void add_render(CLI::App& app);
 void add_view(CLI::App& app);

@@ -1,12 +1,15 @@
-// Hair files: HAIR (Cem Yuksel) read and written, TFX 4 (AMD TressFX) read. Chosen by content, not by extension.
+// Hair files, read by content (by extension where a format has no magic) and written by extension:
+//   HAIR (Cem Yuksel), TFX 4 (AMD TressFX), USC-HairSalon .data, strand PLY (hairutil's layout), OBJ polylines, USD
+//   text with BasisCurves (the groom_* names that Unreal reads); TFX 2 text and CT2Hair .bin are read only.
 //
 // A bad strand is repaired or dropped, counted and named by its index in the file; it does not reject the file. A file
 // whose structure is wrong (truncated, sizes that contradict each other, another dialect) is refused with the reason,
 // and no size field makes the reader allocate more than the file's own bytes warrant.
 //
-// Neither format stores a unit or an up axis: ReadOptions says them. Thickness is read as a diameter in the file's
-// unit. The writer stores what Strands holds and no more, so that reading the file gives the same Strands bit for bit
-// (strands of one vertex excepted: readers drop them).
+// Of these only USD stores a unit and an up axis; for the others ReadOptions says them. Thickness is read as a diameter
+// in the file's unit. A writer stores what Strands holds and no more, in metres, Y up, so that reading the file gives
+// the same Strands bit for bit: what the format has no place for is told in WriteReport, and what it cannot do without
+// is refused with the remedy. (Readers drop strands of fewer than two vertices and say one diameter for all only once.)
 #pragma once
 
 #include <cstddef>
@@ -44,11 +47,12 @@ struct StrandIssue {
 };
 
 struct ReadReport {
-  std::string format;  // "HAIR", "TFX 4"
+  std::string format;  // "HAIR", "TFX 4", ...
   std::size_t strands_in_file = 0;
   std::vector<StrandIssue> issues{};  // in order of strand
   std::vector<std::string> notes{};   // about the file as a whole, e.g. a thickness that was not believed
   std::optional<float> opacity{};     // of a fibre, in (0, 1], where the file says so
+  double metres_per_unit = 1.0;       // as used: the option's, or the file's own
 
   std::size_t dropped() const noexcept;
   std::size_t repaired() const noexcept;
@@ -68,7 +72,25 @@ Strands read_hair(const std::filesystem::path& file, const ReadOptions& options 
 Strands parse_hair(std::span<const std::byte> bytes, const std::string& where, const ReadOptions& options = {},
                    ReadReport* report = nullptr);
 
-/// Writes HAIR, atomically (temporary file, then rename). Metres, Y up. @throws OutputError
+struct WriteReport {
+  std::string format{};
+  std::vector<std::string> lost{};   // what the format has no place for, a sentence each
+  std::vector<std::string> notes{};  // what other programs will make of the file
+};
+
+/// Writes the format that the extension names, atomically (temporary file, then rename). Metres, Y up.
+/// @param opacity  of a fibre, where it is known
+/// @throws UsageError for an extension that is none of them; OutputError for strands that the format cannot take
+WriteReport write_strands(const Strands& strands, const std::filesystem::path& file, std::optional<float> opacity = {});
+
+/// The bytes that write_strands would write.
+std::string format_strands(const Strands& strands, const std::filesystem::path& file, std::optional<float> opacity = {},
+                           WriteReport* report = nullptr);
+
+/// Does the extension name a format that can be written? @throws UsageError listing them
+void check_hair_output(const std::filesystem::path& file);
+
+/// Writes HAIR, whatever the extension. @throws OutputError
 void write_hair(const Strands& strands, const std::filesystem::path& file);
 
 /// What is odd about a median strand of this length, with the unit that would make it plausible; empty: nothing.

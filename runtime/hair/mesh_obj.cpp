@@ -1,48 +1,25 @@
 #include "pelage/hair/mesh_obj.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/input_file.h"
+#include "pelage/hair/text_words.h"
 
 namespace pelage::hair {
 namespace {
-
-/// Takes words off the front of a line.
-class Words {
- public:
-  explicit Words(std::string_view line) : rest_(line) {}
-
-  std::string_view next() {
-    const std::size_t begin = rest_.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) return rest_ = {};
-    const std::size_t end = std::min(rest_.find_first_of(" \t\r", begin), rest_.size());
-    const std::string_view word = rest_.substr(begin, end - begin);
-    rest_.remove_prefix(end);
-    return word;
-  }
-
- private:
-  std::string_view rest_;
-};
 
 class ObjParser {
  public:
   ObjParser(const std::string& where, const ReadOptions& options) : where_(where), options_(options) {}
 
   Mesh run(std::string_view text) {
-    while (!text.empty()) {
-      ++line_;
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      parse_line(text.substr(0, end));
-      text.remove_prefix(std::min(end + 1, text.size()));
-    }
+    lines_ = Lines(text);
+    while (!lines_.at_end()) parse_line(lines_.next());
     if (mesh_.triangles.empty()) throw InputError(where_, "no polygon in it: give an OBJ mesh with v and f lines");
     compute_normals(mesh_);
     return std::move(mesh_);
@@ -50,7 +27,7 @@ class ObjParser {
 
  private:
   [[noreturn]] void refuse(const std::string& what) const {
-    throw InputError(where_, "line " + std::to_string(line_) + ": " + what + ": export the mesh again");
+    throw InputError(where_, "line " + std::to_string(lines_.number()) + ": " + what + ": export the mesh again");
   }
 
   void parse_line(std::string_view line) {
@@ -61,12 +38,10 @@ class ObjParser {
   }
 
   float number(std::string_view word) const {
-    if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    double value = 0;  // wide enough that what does not fit is no position either
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc{} || end != word.data() + word.size()) refuse("\"" + std::string(word) + "\" is no number");
-    if (!(std::abs(value) < 1e30)) refuse("\"" + std::string(word) + "\" is no position");
-    return static_cast<float>(value);
+    const std::optional<float> value = parse_float(word);
+    if (!value) refuse("\"" + std::string(word) + "\" is no number");
+    if (!(std::abs(*value) < 1e30F)) refuse("\"" + std::string(word) + "\" is no position");
+    return *value;
   }
 
   void parse_vertex(Words& words) {
@@ -81,13 +56,11 @@ class ObjParser {
   std::uint32_t vertex_index(std::string_view word) const {
     const std::string_view text = word.substr(0, word.find('/'));
     const auto count = static_cast<std::int64_t>(mesh_.vertices.size());
-    std::int64_t index = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-    const bool good = error == std::errc{} && end == text.data() + text.size();
-    if (!good || index == 0 || index > count || index < -count) {
+    const std::optional<std::int64_t> index = parse_integer<std::int64_t>(text);
+    if (!index || *index == 0 || *index > count || *index < -count) {
       refuse("vertex index \"" + std::string(text) + "\" with " + std::to_string(count) + " vertices so far");
     }
-    return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+    return static_cast<std::uint32_t>(*index > 0 ? *index - 1 : count + *index);
   }
 
   /// A fan around the first corner.
@@ -102,15 +75,17 @@ class ObjParser {
 
   const std::string& where_;
   const ReadOptions& options_;
-  std::size_t line_ = 0;
+  Lines lines_{std::string_view()};
   Mesh mesh_;
 };
 
 void append_vector(std::string& out, const char* keyword, glm::vec3 v) {
-  char line[80];
-  std::snprintf(line, sizeof line, "%s %.9g %.9g %.9g\n", keyword, static_cast<double>(v.x), static_cast<double>(v.y),
-                static_cast<double>(v.z));
-  out += line;
+  out += keyword;
+  for (int k = 0; k < 3; ++k) {
+    out += ' ';
+    append_number(out, v[k]);
+  }
+  out += '\n';
 }
 
 }  // namespace
@@ -122,7 +97,7 @@ Mesh parse_obj(std::string_view text, const std::string& where, const ReadOption
 
 Mesh read_obj(const std::filesystem::path& file, const ReadOptions& options) {
   const std::vector<std::byte> bytes = read_bytes(file);
-  return parse_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string(), options);
+  return parse_obj(as_text(bytes), file.string(), options);
 }
 
 void write_obj(const Mesh& mesh, const std::filesystem::path& file) {

@@ -17,7 +17,8 @@ Mesh read_obj(const std::filesystem::path& file, const ReadOptions& options = {}
 /// The same from memory; `where` names the file in messages.
 Mesh parse_obj(std::string_view text, const std::string& where, const ReadOptions& options = {});
 
-/// Written atomically, 9 digits: reading gives the same positions and triangles. @throws OutputError
+/// Written atomically, with the fewest digits that read back to the same bits: reading gives the same positions and
+/// triangles. @throws OutputError
 void write_obj(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace pelage::hair

@@ -41,7 +41,8 @@ TEST(HairFile, ReadsEveryArrayOfHair) {
   const Strands s = parse_hair(test::small_hair(), "x.hair", {}, &report);
   EXPECT_EQ(s.offsets, (std::vector<std::uint32_t>{0, 3, 5, 9}));
   EXPECT_EQ(s.vertices[4], glm::vec3(0.01F, -0.05F, 0.5F));
-  EXPECT_EQ(s.diameters_m, std::vector<float>(9, 1e-4F));
+  EXPECT_EQ(s.diameter_m, 1e-4F);  // the same at all points: said once
+  EXPECT_TRUE(s.diameters_m.empty());
   EXPECT_EQ(s.colours, std::vector<glm::vec3>(3, glm::vec3(0.5F, 0.25F, 0.125F)));
   ASSERT_TRUE(report.opacity.has_value());
   EXPECT_FLOAT_EQ(*report.opacity, 0.75F);
@@ -105,11 +106,11 @@ TEST(HairFile, RefusesOtherFormatsByName) {
     std::memcpy(bytes.data(), s.data(), s.size());
     return bytes;
   };
-  EXPECT_THAT(refusal(text("version 2.0\nscale 1\n"), {}, "x.tfx"), HasSubstr("TFX 2"));
   EXPECT_THAT(refusal(text("Ogawa\xFF"), {}, "x.abc"), HasSubstr("Alembic"));
-  EXPECT_THAT(refusal(text("ply\nformat ascii 1.0\n"), {}, "x.ply"), HasSubstr("PLY"));
-  EXPECT_THAT(refusal(text("anything"), {}, "x.data"), HasSubstr("neither HAIR"));
-  EXPECT_THAT(refusal({}, {}, "x.hair"), HasSubstr("neither HAIR"));
+  EXPECT_THAT(refusal(text("PXR-USDC"), {}, "x.usd"), HasSubstr("usdcat"));
+  EXPECT_THAT(refusal(text("anything"), {}, "x.txt"), HasSubstr("none of the hair formats"));
+  EXPECT_THAT(refusal({}, {}, "x.hair"), HasSubstr("does not start with"));
+  EXPECT_THAT(refusal(text("anything"), {}, "x.tfxbone"), HasSubstr("bone weights"));
   Bytes old = test::small_tfx();
   put(old, 0, 3.0F);
   EXPECT_THAT(refusal(old, {}, "x.tfx"), HasSubstr("version 3"));

@@ -1,16 +1,22 @@
-// HAIR: a 128-byte header, then up to five arrays back to back, each present if its bit is set.
-// Dialects that give the reserved bits a meaning are recognised by the size that they imply, and refused by name.
+// HAIR: a 128-byte header, then up to five arrays back to back, each present if its bit is set. Written: the arrays
+// that the strands call for and no others. Dialects that give the reserved bits a meaning are recognised by the size
+// that they imply, and refused by name.
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <numeric>
 
 #include "pelage/data_schema/errors.h"
-#include "pelage/hair/hair_reader.h"
+#include "pelage/hair/hair_formats.h"
+#include "pelage/hair/text_words.h"
 
 namespace pelage::hair {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 128;
+constexpr std::size_t kMaxSegments = 65'535;  // u16
 enum Bit : std::uint32_t {
   kSegments = 1,
   kPoints = 2,
@@ -27,7 +33,7 @@ struct Header {
   glm::vec3 colour;
 };
 
-Header read_header(std::span<const std::byte> bytes, const std::string& where) {
+Header read_header(Bytes bytes, const std::string& where) {
   if (bytes.size() < kHeaderBytes) {
     throw InputError(where, "HAIR header needs 128 bytes, the file has " + std::to_string(bytes.size()) +
                                 ": truncated; fetch or export it again");
@@ -72,7 +78,7 @@ void check(const Header& h, std::uint64_t file_bytes, const std::string& where) 
 }
 
 /// First point of each strand. Checked against the point count before anything is allocated by strand.
-std::vector<std::uint32_t> read_offsets(const Header& h, std::span<const std::byte> bytes, const std::string& where) {
+std::vector<std::uint32_t> read_offsets(const Header& h, Bytes bytes, const std::string& where) {
   const bool each = (h.bits & kSegments) != 0;
   const auto segments = [&](std::uint64_t i) -> std::uint64_t {
     return each ? load<std::uint16_t>(bytes, kHeaderBytes + 2 * i) : h.default_segments;
@@ -96,26 +102,62 @@ bool is_initial_value(glm::vec3 c) {
   return c == glm::vec3(0.0F) || c == glm::vec3(1.0F);
 }
 
-/// One colour per strand: its points' mean.
-std::vector<glm::vec3> mean_per_strand(const std::vector<glm::vec3>& per_point,
-                                       const std::vector<std::uint32_t>& offsets) {
-  std::vector<glm::vec3> colours;
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k) sum += glm::dvec3(per_point[k]);
-    colours.emplace_back(sum / static_cast<double>(offsets[i + 1] - offsets[i]));
-  }
-  return colours;
-}
-
 float mean_opacity(const std::vector<float>& transparency) {
   const double sum = std::accumulate(transparency.begin(), transparency.end(), 0.0);
   return static_cast<float>(1.0 - sum / static_cast<double>(transparency.size()));
 }
 
+template <class T>
+void put(std::array<char, kHeaderBytes>& header, std::size_t offset, T value) {
+  std::memcpy(header.data() + offset, &value, sizeof value);
+}
+
+std::vector<std::uint16_t> segments_per_strand(const Strands& strands, const std::string& where) {
+  std::vector<std::uint16_t> segments;
+  for (std::size_t i = 0; i < strands.count(); ++i) {
+    const std::size_t vertices = strands.strand(i).size();
+    if (vertices == 0 || vertices - 1 > kMaxSegments) {
+      throw OutputError(where, "strand " + std::to_string(i) + " has " + std::to_string(vertices) +
+                                   " vertices, a HAIR file takes 1 to 65536: resample it (pelage convert --resample)");
+    }
+    segments.push_back(static_cast<std::uint16_t>(vertices - 1));
+  }
+  return segments;
+}
+
+bool all_equal(const std::vector<std::uint16_t>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+}
+
+std::array<char, kHeaderBytes> make_header(const Strands& strands, std::uint32_t bits, std::uint32_t default_segments,
+                                           std::optional<float> opacity) {
+  std::array<char, kHeaderBytes> header{};
+  std::memcpy(header.data(), "HAIR", 4);
+  put(header, 4, static_cast<std::uint32_t>(strands.count()));
+  put(header, 8, static_cast<std::uint32_t>(strands.vertices.size()));
+  put(header, 12, bits);
+  put(header, 16, default_segments);
+  put(header, 20, strands.diameter_m);
+  if (opacity) put(header, 24, 1.0F - *opacity);
+  put(header, 28, glm::vec3(1.0F));
+  std::strcpy(header.data() + 40, "Pelage: metres, Y up");
+  return header;
+}
+
+std::vector<glm::vec3> colours_per_point(const Strands& strands) {
+  std::vector<glm::vec3> colours;
+  for (std::size_t i = 0; i < strands.colours.size(); ++i) {
+    colours.insert(colours.end(), strands.strand(i).size(), strands.colours[i]);
+  }
+  return colours;
+}
+
 }  // namespace
 
-RawHair decode_hair(std::span<const std::byte> bytes, const std::string& where) {
+RawHair decode_hair(Bytes bytes, const std::string& where) {
+  const std::string_view text = as_text(bytes);
+  if (!text.starts_with("HAIR") && !text.starts_with("hair"))
+    throw InputError(where, "does not start with \"HAIR\": no HAIR file, whatever its name says; export it again");
   const Header h = read_header(bytes, where);
   check(h, bytes.size(), where);
   RawHair raw;
@@ -143,6 +185,24 @@ RawHair decode_hair(std::span<const std::byte> bytes, const std::string& where) 
   }
   if (at < bytes.size()) raw.notes.push_back(std::to_string(bytes.size() - at) + " bytes after the last array ignored");
   return raw;
+}
+
+std::string encode_hair(const Strands& strands, Output& output) {
+  const std::vector<std::uint16_t> segments = segments_per_strand(strands, output.where);
+  const bool even = all_equal(segments);
+  const std::uint32_t bits = (even ? 0U : kSegments) | kPoints | (strands.diameters_m.empty() ? 0U : kThickness) |
+                             (strands.colours.empty() ? 0U : kColour);
+  if (output.opacity && 1.0F - (1.0F - *output.opacity) != *output.opacity)
+    output.report.lost.push_back("opacity: rounded, HAIR stores 1 - opacity");
+  if (output.opacity == 1.0F) output.report.lost.push_back("opacity: 1 is what HAIR files have that say nothing");
+  const std::array<char, kHeaderBytes> header =
+      make_header(strands, bits, even && !segments.empty() ? segments[0] : 0U, output.opacity);
+  std::string bytes(header.data(), header.size());
+  if (!even) append_array(bytes, segments);
+  append_array(bytes, strands.vertices);
+  append_array(bytes, strands.diameters_m);
+  append_array(bytes, colours_per_point(strands));
+  return bytes;
 }
 
 }  // namespace pelage::hair
