@@ -92,6 +92,7 @@ void add_convert(CLI::App& app) {
   verb->add_option("--curve", options->curve, "what its vertices are: polyline or bspline (.usda says it)")
       ->capture_default_str();
   verb->add_option("--resample", options->resample, "vertices per strand, evenly spaced; 0: as they are")
+      ->check(CLI::Range(0, 65536))
       ->capture_default_str();
   console::add_common_options(*verb);
   verb->callback([options] { run(*options); });

@@ -42,21 +42,13 @@ Walk walk(Bytes bytes, std::uint64_t stride) {
     what = "strand " + std::to_string(w.bad_strand) + " of " + std::to_string(w.strands) + ", at byte " +
            std::to_string(w.end) + ", does not fit into the file of " + std::to_string(bytes.size()) + " bytes";
   }
-  throw InputError(where, what + ": no .data file, truncated or damaged; fetch or export it again");
+  throw InputError(where, what + ": another format, truncated or damaged; fetch or export it again");
 }
 
-}  // namespace
-
-RawHair decode_data(Bytes bytes, const std::string& where) {
-  std::uint64_t stride = 12;
-  Walk w = walk(bytes, stride);
-  if (const Walk wide = walk(bytes, 28); !w.good && wide.good) {
-    w = wide;
-    stride = 28;
-  }
+RawHair decode(Bytes bytes, std::uint64_t stride, const std::string& where) {
+  const Walk w = walk(bytes, stride);
   if (!w.good) refuse(w, bytes, where);
   RawHair raw;
-  raw.format = stride == 12 ? "USC .data" : "CT2Hair .bin";
   raw.points.reserve(w.points);
   std::uint64_t at = 4;
   for (std::int64_t i = 0; i < w.strands; ++i) {
@@ -65,6 +57,24 @@ RawHair decode_data(Bytes bytes, const std::string& where) {
     at += 4 + n * stride;
     end_strand(raw, where);
   }
+  return raw;
+}
+
+constexpr std::uint64_t kDataStride = 12, kCt2Stride = 28;  // bytes per point
+
+}  // namespace
+
+RawHair decode_data(Bytes bytes, const std::string& where) {
+  if (!walk(bytes, kDataStride).good && walk(bytes, kCt2Stride).good)
+    throw InputError(where, "holds seven numbers per point, as CT2Hair's .bin does: give it the extension .bin");
+  RawHair raw = decode(bytes, kDataStride, where);
+  raw.format = "USC .data";
+  return raw;
+}
+
+RawHair decode_ct2hair(Bytes bytes, const std::string& where) {
+  RawHair raw = decode(bytes, kCt2Stride, where);
+  raw.format = "CT2Hair .bin";
   return raw;
 }
 

@@ -203,6 +203,11 @@ class CurvesReader {
 };
 
 class UsdaParser {
+  struct Scope {
+    bool curves;  // a BasisCurves prim
+    bool moved;   // by an xformOp of its own
+  };
+
  public:
   UsdaParser(std::string_view text, const std::string& where) : lexer_(text, where), where_(where) {}
 
@@ -217,9 +222,9 @@ class UsdaParser {
                        "no BasisCurves prim in it (references, payloads and NurbsCurves are not read): flatten the "
                        "stage, or export the curves as BasisCurves");
     }
-    if (transforms_ > 0)
-      raw_.notes.push_back(std::to_string(transforms_) +
-                           " transforms (xformOp) ignored: freeze them before the export");
+    if (moved_prims_ > 0)
+      raw_.notes.push_back("transforms (xformOp) of " + std::to_string(moved_prims_) +
+                           " BasisCurves prims ignored: freeze them before the export");
     if (animated_) raw_.notes.push_back("animated: its first time sample is taken");
     if (variants_) raw_.notes.push_back("variants ignored");
     return std::move(raw_);
@@ -284,7 +289,7 @@ class UsdaParser {
     if (lexer_.peek().is('(')) lexer_.skip_value();
     if (!lexer_.next().is('{')) lexer_.refuse("a prim without {");
     const bool curves = type == "BasisCurves" && specifier.text != "class";
-    scopes_.push_back(curves);
+    scopes_.push_back({curves, false});
     if (!curves) return;
     open_.emplace_back();
     open_.back().line = specifier.line;
@@ -292,9 +297,14 @@ class UsdaParser {
 
   void close_prim() {
     if (scopes_.empty()) lexer_.refuse("a } too many");
-    const bool curves = scopes_.back();
+    const Scope scope = scopes_.back();
     scopes_.pop_back();
-    if (!curves) return;
+    if (scope.curves) close_curves();
+    if (scope.moved) --moved_scopes_;
+  }
+
+  void close_curves() {
+    if (moved_scopes_ > 0) ++moved_prims_;
     const std::size_t strands = raw_.offsets.size() - 1, points = raw_.points.size();
     CurvesReader(open_.back(), raw_, where_).run();
     level(raw_.colours, strands, raw_.offsets.size() - 1);
@@ -324,9 +334,14 @@ class UsdaParser {
       name = lexer_.next().text;
     else if (!lexer_.peek().is('='))
       lexer_.refuse("a property without a name");
-    if (name.starts_with("xformOp:")) ++transforms_;
-    if (!scopes_.back()) return lexer_.skip_value_and_metadata();
+    if (name.starts_with("xformOp:")) mark_moved();
+    if (!scopes_.back().curves) return lexer_.skip_value_and_metadata();
     parse_curves_property(name, open_.back());
+  }
+
+  void mark_moved() {
+    if (!scopes_.back().moved) ++moved_scopes_;
+    scopes_.back().moved = true;
   }
 
   static bool is_qualifier(std::string_view word) {
@@ -419,10 +434,10 @@ class UsdaParser {
 
   UsdaLexer lexer_;
   const std::string& where_;
-  std::vector<bool> scopes_;      // of the open prims: is it a BasisCurves?
+  std::vector<Scope> scopes_;     // the open prims
   std::vector<CurvesPrim> open_;  // those that are
   bool any_curves_ = false, animated_ = false, variants_ = false;
-  std::size_t transforms_ = 0;
+  std::size_t moved_scopes_ = 0, moved_prims_ = 0;
   RawHair raw_;
 };
 

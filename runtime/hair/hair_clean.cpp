@@ -222,7 +222,7 @@ Strands clean(const RawHair& raw, const ReadOptions& given, const std::string& w
   const double median_m = median_length_m(strands);
   const std::string doubt = implausible_unit(median_m, options.metres_per_unit);
   if (options.check_unit && !doubt.empty()) {
-    throw InputError(where, doubt + (raw.metres_per_unit ? "; the file itself says its unit: correct it there" : ""));
+    throw InputError(where, doubt + (raw.metres_per_unit ? "; but this file says its unit itself, which goes first: correct it there" : ""));
   }
   settle_thickness(raw, options, median_m, strands, report);
   settle_opacity(raw, report);

@@ -34,7 +34,7 @@ constexpr Format kFormats[] = {
     {"TFX 2", ".tfx", is_tfx_text, decode_tfx_text, nullptr},
     {"TFX 4", ".tfx", is_tfx, decode_tfx, encode_tfx, kColours | kDiameters},
     {"USC .data", ".data", nullptr, decode_data, encode_data},
-    {"CT2Hair .bin", ".bin", nullptr, decode_data, nullptr},
+    {"CT2Hair .bin", ".bin", nullptr, decode_ct2hair, nullptr},
     {"strand PLY", ".ply", is_ply, decode_ply, encode_ply, kColours | kDiameters},
     {"OBJ polylines", ".obj", nullptr, decode_obj, encode_obj, kColours},
     {"USD text", ".usda", is_usda, decode_usda, encode_usda, kAll},

@@ -61,7 +61,8 @@ const Format& format_to_write(const std::filesystem::path& file);
 RawHair decode_hair(Bytes, const std::string&);      // HAIR: shared/FORMATS.md section 1
 RawHair decode_tfx(Bytes, const std::string&);       // TFX 4, binary: section 2
 RawHair decode_tfx_text(Bytes, const std::string&);  // TFX 2, text: section 2
-RawHair decode_data(Bytes, const std::string&);      // USC-HairSalon .data, CT2Hair .bin: sections 3 and 4
+RawHair decode_data(Bytes, const std::string&);      // USC-HairSalon .data: section 3
+RawHair decode_ct2hair(Bytes, const std::string&);   // CT2Hair .bin: section 4
 RawHair decode_ply(Bytes, const std::string&);       // strand PLY: section 5
 RawHair decode_obj(Bytes, const std::string&);       // OBJ polylines
 RawHair decode_usda(Bytes, const std::string&);      // USD text, BasisCurves
