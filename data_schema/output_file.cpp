@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -31,11 +32,11 @@ fs::path follow(const fs::path& file) {
   return fs::is_symlink(file, none) ? fs::weakly_canonical(file, none) : file;
 }
 
-/// A hidden folder beside the file, and in it the file's own name.
-fs::path temporary_name(const fs::path& file) {
+/// Hidden, beside the file.
+fs::path temporary_folder(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   const std::string unique = "." + std::to_string(getpid()) + "-" + std::to_string(counter++);
-  return folder_of(file) / ("." + file.filename().string() + unique + ".part") / file.filename();
+  return folder_of(file) / ("." + file.filename().string() + unique + ".part");
 }
 
 }  // namespace
@@ -57,23 +58,33 @@ void check_writable(const fs::path& file) {
     throw OutputError(file.string(), "its folder is not writable (" + reason(errno) + "): choose another folder");
 }
 
-AtomicFile::AtomicFile(const fs::path& file) : file_(follow(file)), temporary_(temporary_name(file_)) {
+AtomicFile::AtomicFile(const fs::path& file)
+    : file_(follow(file)), folder_(temporary_folder(file_)), temporary_(folder_ / file_.filename()) {
   check_writable(file);
-  const fs::path folder = temporary_.parent_path();
-  if (mkdir(folder.c_str(), 0777) != 0)
+  if (mkdir(folder_.c_str(), 0777) != 0)
     throw OutputError(file.string(), "cannot create a folder beside it: " + reason(errno));
   const int descriptor = open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     const int error = errno;
-    rmdir(folder.c_str());
+    clear();
     throw OutputError(file.string(), "cannot create a file beside it: " + reason(error));
   }
   close(descriptor);
 }
 
 AtomicFile::~AtomicFile() {
-  std::error_code none;
-  fs::remove_all(temporary_.parent_path(), none);
+  clear();
+}
+
+/// Where only our own file is in the folder, without allocating: out of memory leaves nothing behind either.
+void AtomicFile::clear() noexcept {
+  unlink(temporary_.c_str());
+  if (rmdir(folder_.c_str()) == 0 || errno == ENOENT) return;
+  try {
+    std::error_code none;
+    fs::remove_all(folder_, none);
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -87,7 +98,7 @@ void AtomicFile::commit() {
   std::error_code error;
   fs::rename(temporary_, file_, error);
   if (error) throw OutputError(file_.string(), "cannot rename the finished file: " + error.message());
-  fs::remove_all(temporary_.parent_path(), error);
+  clear();
 }
 
 }  // namespace pelage

@@ -29,7 +29,9 @@ class AtomicFile {
   void commit();
 
  private:
-  std::filesystem::path file_, temporary_;
+  void clear() noexcept;
+
+  std::filesystem::path file_, folder_, temporary_;
 };
 
 }  // namespace pelage

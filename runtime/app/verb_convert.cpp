@@ -43,7 +43,7 @@ void print_json(const Options& options, const hair::ReadReport& read, const hair
       {"output_notes", written.notes},
       {"lost", written.lost},
   };
-  fmt::print("{}\n", json.dump(2));
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void print_text(const Options& options, const hair::ReadReport& read, const hair::WriteReport& written,

@@ -256,7 +256,8 @@ std::string to_json(const HairFacts& f) {
       {"issues", issues},
       {"notes", f.remarks},
   };
-  return json.dump(2);
+  // Notes quote the file, which need not be UTF-8.
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace pelage::hair

@@ -32,8 +32,14 @@ class Folder {
 };
 
 constexpr std::array kHarnesses = {
-    Harness{"hair", read_hair},
-    Harness{"tfx4", read_tfx4},
+    Harness{"hair", read_hair, hair_seeds},
+    Harness{"tfx4", read_tfx, tfx4_seeds},
+    Harness{"tfx2", read_tfx},
+    Harness{"tfxbone", read_tfxbone},
+    Harness{"data", read_data, data_seeds},
+    Harness{"ply", read_ply, ply_seeds},
+    Harness{"obj_strands", read_obj_strands, obj_strands_seeds},
+    Harness{"usda", read_usda, usda_seeds},
     Harness{"obj_mesh", read_obj_mesh},
     Harness{"json_scene", read_json_scene},
     Harness{"json_hairstyle", read_json_hairstyle},

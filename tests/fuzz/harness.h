@@ -53,7 +53,19 @@ std::filesystem::path scratch(std::string_view name, std::string_view bytes);
 std::string bytes_of(const std::filesystem::path& file);
 
 void read_hair(std::string_view bytes);
-void read_tfx4(std::string_view bytes);
+void read_tfx(std::string_view bytes);
+void read_data(std::string_view bytes);
+void read_ply(std::string_view bytes);
+void read_obj_strands(std::string_view bytes);
+void read_usda(std::string_view bytes);
+/// Three strands as this version writes them.
+std::vector<std::string> hair_seeds();
+std::vector<std::string> tfx4_seeds();
+std::vector<std::string> data_seeds();
+std::vector<std::string> ply_seeds();
+std::vector<std::string> obj_strands_seeds();
+std::vector<std::string> usda_seeds();
+void read_tfxbone(std::string_view bytes);
 void read_obj_mesh(std::string_view bytes);
 void read_json_scene(std::string_view bytes);
 void read_json_hairstyle(std::string_view bytes);

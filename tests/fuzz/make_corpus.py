@@ -67,10 +67,79 @@ def tfx4(strands=2, vertices=4, uv=False):
     return floats(4.0) + struct.pack("<7I", strands, vertices, *offsets) + bytes(128) + arrays
 
 
+def tfxbone(names, strands):
+    content = struct.pack("<i", len(names))
+    for i, name in enumerate(names):
+        content += struct.pack("<2i", i, len(name) + 1) + name.encode() + b"\0"
+    content += struct.pack("<i", len(strands))
+    for i, (bones, weights) in enumerate(strands):
+        content += struct.pack("<i", i) + b"".join(struct.pack("<if", b, w) for b, w in zip(bones, weights))
+    return content
+
+
 def tfx_corpus():
     keep("tfx4", "plain", tfx4())
     keep("tfx4", "with-uv", tfx4(3, 8, uv=True))
+    keep("tfx2", "guides", "version 2.0\nscale 1\nrotation 0 0 0\ntranslation 0 0 0\nbothEndsImmovable 0\n"
+         "maxNumVerticesInStrand 8\nnumFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.5\nnumStrands 3\nis sorted 1\n" +
+         "".join(f"strand {i} numVerts {len(s)} texcoord 0.5 000000\n" + "".join("%g, %g, %g\n" % p for p in s)
+                 for i, s in enumerate(STRANDS)))
+    keep("tfx2", "moved", "version 2.0\r\nscale 0.5\r\nrotation 90 0 0\r\nnumStrands 1\r\nstrand 0 numVerts 2 texcoord 0 0\r\n0,0,0\r\n0,.1,0\r\n")
+    keep("tfxbone", "two-bones", tfxbone(["root", "tip"], [((0, 1, 0, 0), (0.5, 0.42, 0, 0)), ((1, 0, 0, 0), (0, 0, 0, 0))]))
+    keep("tfxbone", "none", tfxbone([], []))
+    keep("tfxbone", "odd-weights", tfxbone(["a"], [((0, 0, 0, 0), (1e38, 1e38, 1e38, 1e38)), ((0, 0, 0, 0), (-1, float("nan"), 1, 0))]))
     keep("tfx4", "version-3", floats(3.0) + tfx4()[4:])
+
+
+def data(strands, rest=b""):
+    return struct.pack("<i", len(strands)) + b"".join(
+        struct.pack("<i", len(s)) + b"".join(floats(*p) + rest for p in s) for s in strands)
+
+
+def data_corpus():
+    keep("data", "plain", data(STRANDS))
+    keep("data", "bald-roots", data([STRANDS[0], [(0, 0, 0)], [], STRANDS[2]]))
+    keep("data", "ct2hair", data(STRANDS, rest=floats(0, 1, 0, 0)))
+
+
+def ply_corpus():
+    head = "ply\nformat %s 1.0\ncomment corpus\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\n%s" \
+           "element strand 3\nproperty ushort nsegs\nelement edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+    segments, edges = [len(s) - 1 for s in STRANDS], (0, 1, 1, 2)
+    text = "".join("%g %g %g\n" % p for p in POINTS) + "".join(f"{n}\n" for n in segments) + "0 1\n1 2\n"
+    keep("ply", "text", head % ("ascii", "") + text)
+    for name, order in (("binary_little_endian", "<"), ("binary_big_endian", ">")):
+        body = b"".join(struct.pack(order + "3f4Bf", *p, 128, 64, 32, 255, 1e-4) for p in POINTS)
+        body += struct.pack(order + "3H", *segments) + struct.pack(order + "4i", *edges)
+        more = "".join(f"property uchar {c}\n" for c in ("red", "green", "blue", "alpha")) + "property float thickness\n"
+        keep("ply", name, (head % (name, more)).encode() + body)
+    keep("ply", "lists", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 2\n"
+         "property double x\nproperty double y\nproperty double z\nelement strand 1\nproperty uint nsegs\nend_header\n3 0 1 0\n0 0 0\n0 .1 0\n1\n")
+    keep("ply", "no-strands", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n")
+
+
+def obj_strands_corpus():
+    keep("obj_strands", "plain", "o hair\n" + "".join("v %g %g %g\n" % p for p in POINTS) + "l 1 2 3\nl 4 5\nl -4 -3 -2 -1\n")
+    keep("obj_strands", "edges", "v 0 0 0 .5 .25 0\nv 0 .1 0 .5 .25 0\r\nv 0 .2 0\nl 1 2\nl 2 3\nf 1 2 3\n")
+
+
+def found_corpus():
+    """What the harnesses found, made small."""
+    keep("usda", "found-note-that-is-no-utf8", b'#usda 1.0\ndef BasisCurves "a" {\n uniform token type = "linear"\n int[] curveVertexCounts = [2]\n'
+         b' point3f[] points = [(0,0,0), (0,.1,0)]\n float[] widths = [1e-4] (interpolation = "v\xa4rying")\n}\n')
+
+
+def usda_corpus():
+    stage = '#usda 1.0\n(\n    metersPerUnit = 0.01\n    upAxis = "Z"\n    doc = """text"""\n)\n'
+    points = ", ".join("(%g, %g, %g)" % tuple(100 * c for c in p) for p in POINTS)
+    keep("usda", "linear", stage + 'def Xform "head" (kind = "group")\n{\n  double3 xformOp:translate = (1, 2, 3)\n  def BasisCurves "hair"\n  {\n'
+         '    uniform token type = "linear"\n    int[] curveVertexCounts = [3, 2, 4]\n    point3f[] points = [' + points + ']\n'
+         '    float[] widths = [0.01, 0.02, 0.03] (interpolation = "uniform")\n'
+         '    color3f[] primvars:displayColor = [(1, 0.5, 0.25)] (interpolation = "constant")\n    float[] primvars:displayOpacity = [0.5]\n  }\n}\n')
+    for basis, wrap in (("bezier", "nonperiodic"), ("bspline", "pinned"), ("catmullRom", "pinned")):
+        keep("usda", basis, '#usda 1.0\ndef BasisCurves "a" {\n uniform token basis = "' + basis + '"; uniform token wrap = "' + wrap + '"\n'
+             ' int[] curveVertexCounts = [4, 4]\n point3f[] points.timeSamples = { 0: [(0,0,0), (0,.1,0), (0,.2,0), (.1,.3,0), (1,0,0), (1,.1,0),'
+             ' (1,.2,0), (1.1,.3,0)], 1: [(0,0,0)] }\n float[] primvars:widths = [1e-4, 2e-4, 1e-4, 1e-4] (\n interpolation = "varying"\n )\n}\n')
 
 
 def mesh_corpus():
@@ -90,5 +159,6 @@ def json_corpus():
          ' "phong": {"diffuse": 0, "specular": 1, "exponent": 1000}, "features": "paper3", "storage": "half"}')
 
 
-for write in (hair_corpus, tfx_corpus, mesh_corpus, json_corpus):
+for write in (hair_corpus, tfx_corpus, data_corpus, ply_corpus, obj_strands_corpus, usda_corpus, mesh_corpus, json_corpus,
+              found_corpus):
     write()
