@@ -291,8 +291,8 @@ class UsdaParser {
     const bool curves = type == "BasisCurves" && specifier.text != "class";
     scopes_.push_back({curves, false});
     if (!curves) return;
-    open_.emplace_back();
-    open_.back().line = specifier.line;
+    if (curves_) lexer_.refuse("BasisCurves inside BasisCurves, which USD forbids");
+    curves_.emplace().line = specifier.line;
   }
 
   void close_prim() {
@@ -306,10 +306,10 @@ class UsdaParser {
   void close_curves() {
     if (moved_scopes_ > 0) ++moved_prims_;
     const std::size_t strands = raw_.offsets.size() - 1, points = raw_.points.size();
-    CurvesReader(open_.back(), raw_, where_).run();
+    CurvesReader(*curves_, raw_, where_).run();
     level(raw_.colours, strands, raw_.offsets.size() - 1);
     level(raw_.thickness, points, raw_.points.size());
-    open_.pop_back();
+    curves_.reset();
     any_curves_ = true;
   }
 
@@ -336,7 +336,7 @@ class UsdaParser {
       lexer_.refuse("a property without a name");
     if (name.starts_with("xformOp:")) mark_moved();
     if (!scopes_.back().curves) return lexer_.skip_value_and_metadata();
-    parse_curves_property(name, open_.back());
+    parse_curves_property(name, *curves_);
   }
 
   void mark_moved() {
@@ -434,8 +434,8 @@ class UsdaParser {
 
   UsdaLexer lexer_;
   const std::string& where_;
-  std::vector<Scope> scopes_;     // the open prims
-  std::vector<CurvesPrim> open_;  // those that are
+  std::vector<Scope> scopes_;         // the open prims
+  std::optional<CurvesPrim> curves_;  // the open BasisCurves prim
   bool any_curves_ = false, animated_ = false, variants_ = false;
   std::size_t moved_scopes_ = 0, moved_prims_ = 0;
   RawHair raw_;

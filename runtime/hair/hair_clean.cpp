@@ -106,7 +106,7 @@ class Cleaner {
         bad_thickness = true;
       }
       points.emplace_back(to_metres(raw_.points[k], options_),
-                          static_cast<float>(options_.metres_per_unit) * thickness);
+                          static_cast<float>(options_.metres_per_unit * static_cast<double>(thickness)));
     }
     if (bad_thickness) repair(i, "thickness that is no number >= 0 replaced by the mean of the others");
     return points;
@@ -156,7 +156,7 @@ void collapse_equal(Strands& strands) {
 void settle_thickness(const RawHair& raw, const ReadOptions& options, double median_m, Strands& strands,
                       ReadReport& report) {
   const float limit_m = kMaxThicknessShare * static_cast<float>(median_m);
-  const float whole_file_m = static_cast<float>(options.metres_per_unit) * raw.default_thickness;
+  const float whole_file_m = static_cast<float>(options.metres_per_unit * static_cast<double>(raw.default_thickness));
   const float mean_m = raw.thickness.empty() ? whole_file_m : mean_of<float, double>(strands.diameters_m, is_thickness);
   const bool initial_value = raw.thickness.empty() && (raw.default_thickness == 0.0F || raw.default_thickness == 1.0F);
   if (!initial_value && mean_m > 0.0F && mean_m <= limit_m) {
@@ -222,7 +222,9 @@ Strands clean(const RawHair& raw, const ReadOptions& given, const std::string& w
   const double median_m = median_length_m(strands);
   const std::string doubt = implausible_unit(median_m, options.metres_per_unit);
   if (options.check_unit && !doubt.empty()) {
-    throw InputError(where, doubt + (raw.metres_per_unit ? "; but this file says its unit itself, which goes first: correct it there" : ""));
+    throw InputError(
+        where, doubt + (raw.metres_per_unit ? "; but this file says its unit itself, which goes first: correct it there"
+                                            : ""));
   }
   settle_thickness(raw, options, median_m, strands, report);
   settle_opacity(raw, report);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <glm/glm.hpp>
 #include <utility>
 
 #include "pelage/data_schema/errors.h"
@@ -42,8 +43,7 @@ std::size_t count_issues(const std::vector<StrandIssue>& issues, bool dropped) {
 }  // namespace
 
 glm::vec3 to_metres(glm::vec3 p, const ReadOptions& options) noexcept {
-  const auto scale = static_cast<float>(options.metres_per_unit);
-  p *= scale;
+  p = glm::vec3(options.metres_per_unit * glm::dvec3(p));  // rounded once: 30 cm are 0.3F
   if (options.up == UpAxis::z) return {p.x, p.z, -p.y};
   if (options.up == UpAxis::x) return {-p.y, p.x, p.z};
   return p;

@@ -216,6 +216,7 @@ TEST(Usda, RefusesWithTheReason) {
   EXPECT_THAT(refusal("#usda 1.0\n(metersPerUnit = 0)"), HasSubstr("metersPerUnit"));
   EXPECT_THAT(refusal("#usda 1.0\n(upAxis = \"W\")"), HasSubstr("upAxis"));
   EXPECT_THAT(refusal("#usda 1.0\n}"), HasSubstr("too many"));
+  EXPECT_THAT(refusal(curves("def BasisCurves \"inner\" {}\n")), HasSubstr("inside BasisCurves"));
 }
 
 TEST(Usda, WritesTheNamesThatUnrealReads) {
