@@ -39,6 +39,15 @@ fs::path temporary_folder(const fs::path& file) {
   return folder_of(file) / ("." + file.filename().string() + unique + ".part");
 }
 
+/// Waits until the temporary is on the disk. @throws OutputError naming `file`
+void flush(const fs::path& temporary, const fs::path& file) {
+  const int descriptor = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool good = descriptor >= 0 && (fsync(descriptor) == 0 || errno == EINVAL);  // EINVAL: nothing to wait for
+  const int error = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (!good) throw OutputError(file.string(), "cannot write: " + reason(error));
+}
+
 }  // namespace
 
 void check_writable(const fs::path& file) {
@@ -95,6 +104,7 @@ void AtomicFile::write(std::string_view bytes) {
 }
 
 void AtomicFile::commit() {
+  flush(temporary_, file_);  // before the rename: after a power cut the name must not stand for an empty file
   std::error_code error;
   fs::rename(temporary_, file_, error);
   if (error) throw OutputError(file_.string(), "cannot rename the finished file: " + error.message());
