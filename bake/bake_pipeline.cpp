@@ -78,25 +78,25 @@ StoredSector bake_sector(const PlanarTracer& tracer, std::vector<glm::vec2> cros
   return row;
 }
 
-/// Bakes rows writer.rows() .. sectors-1 on all threads and appends them in order. The rows under way are consecutive
-/// and no more than the tokens, so that each has a slot of its own; slots outlive an interruption, on which the
-/// pipeline drops its tokens without destroying them.
-void bake_rows(const PlanarTracer& tracer, const Plan& plan, DatabaseWriter& writer,
+/// Bakes rows writer.next_row() .. range.end-1 on all threads and appends them in order. The rows under way are
+/// consecutive and no more than the tokens, so that each has a slot of its own; slots outlive an interruption, on which
+/// the pipeline drops its tokens without destroying them.
+void bake_rows(const PlanarTracer& tracer, const Choice& crossings, RowRange range, DatabaseWriter& writer,
                const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  std::uint64_t next = writer.rows();
+  std::uint64_t next = writer.next_row();
   std::vector<StoredSector> slots(static_cast<std::size_t>(4 * tbb::this_task_arena::max_concurrency()));
   const auto number = [&](tbb::flow_control& control) -> std::uint64_t {
-    if (next == plan.sectors) control.stop();
-    return next == plan.sectors ? 0 : next++;
+    if (next == range.end) control.stop();
+    return next == range.end ? 0 : next++;
   };
   const auto trace = [&](std::uint64_t i) -> StoredSector* {
     StoredSector& row = slots[static_cast<std::size_t>(i % slots.size())];
-    row = bake_sector(tracer, plan.crossings(i), i);
+    row = bake_sector(tracer, crossings(i), i);
     return &row;
   };
   const auto store = [&](const StoredSector* row) {
     writer.append(*row);
-    if (progress) progress(writer.rows(), plan.sectors);
+    if (progress) progress(writer.next_row() - range.first, range.size());
   };
   using Row = StoredSector*;
   tbb::parallel_pipeline(slots.size(),
@@ -124,7 +124,7 @@ std::string hairstyle_hash(const Hairstyle& style) {
 }
 
 BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& out,
-                         const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+                         const std::function<void(std::uint64_t, std::uint64_t)>& progress, Shard shard) {
   const auto start = std::chrono::steady_clock::now();
   record_shape(settings);  // refuses before the work starts
   const Plan plan = style == nullptr ? plan_random(settings) : plan_adapted(settings, *style);
@@ -134,10 +134,11 @@ BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, c
     metadata.source_name = style->name;
     metadata.source_hash = hairstyle_hash(*style);
   }
-  DatabaseWriter writer(out, metadata);
-  BakeResult result{plan.sectors, writer.rows(), 0};
-  bake_rows(PlanarTracer(settings), plan, writer, progress);
-  writer.finish(fit_scale(writer.features(), dimension(settings.features)));
+  const RowRange range = shard_of(plan.sectors, shard.index, shard.count);
+  DatabaseWriter writer(out, metadata, range);
+  BakeResult result{range.size(), writer.next_row() - range.first, 0};
+  bake_rows(PlanarTracer(settings), plan.crossings, range, writer, progress);
+  writer.finish();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -14,7 +14,7 @@
 namespace pelage {
 
 struct BakeResult {
-  std::uint64_t records = 0;  // in the database
+  std::uint64_t records = 0;  // in the database or shard
   std::uint64_t resumed = 0;  // of them, found in a partial file
   double seconds = 0;
 };
@@ -22,11 +22,17 @@ struct BakeResult {
 /// What the records of an adapted bake depend on (division and strands; neither names nor widths): 16 hex digits.
 std::string hairstyle_hash(const Hairstyle& style);
 
+/// Shard `index` of `count`, 1-based: only these records are baked, into a file for merge_shards(). 1/1: all.
+struct Shard {
+  int index = 1, count = 1;
+};
+
 /// @param style     null: random sectors, else representatives of this hairstyle's non-empty ones
 /// @param out       replaced when all is done; until then rows lie in `<out>.partial`, which the next call resumes
 /// @param progress  told the rows done, from one thread at a time; may throw Interrupted, the partial file stays then
-/// @throws InputError, OutputError [db/database.h]
+/// @throws InputError, OutputError [db/database.h]; UsageError for a shard that there is not
 BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& out,
-                         const std::function<void(std::uint64_t done, std::uint64_t total)>& progress);
+                         const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
+                         Shard shard = {});
 
 }  // namespace pelage

@@ -28,7 +28,7 @@ double milliseconds(const std::function<void()>& work) {
 constexpr double kFloatSlack = 1.0 + 1e-4;
 
 /// Largest |stored - traced| over what rounding may do to the stored value.
-double worst_difference(const QuantisedArray& stored, const std::vector<float>& traced, Storage storage) {
+double worst_difference(const QuantisedView& stored, const std::vector<float>& traced, Storage storage) {
   const std::vector<float> values = dequantise(stored, storage);
   double worst = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -215,11 +215,11 @@ const char* name_of(FeatureSet set) {
 RetraceResult retrace(const DatabaseReader& reader, std::uint64_t count) {
   const BakeSettings& settings = reader.metadata().settings;
   const PlanarTracer tracer(settings);
-  const std::uint64_t rows = reader.metadata().sectors;
-  const std::uint64_t wanted = std::min(count, rows);
+  const RowRange rows = reader.rows();
+  const std::uint64_t wanted = std::min(count, rows.size());
   RetraceResult result;
-  reader.for_each([&](std::uint64_t id, const StoredSector& s) {
-    if (result.records == wanted || id != result.records * rows / wanted) return;
+  reader.for_each([&](std::uint64_t id, const SectorView& s) {
+    if (result.records == wanted || id != rows.first + result.records * rows.size() / wanted) return;
     const HrirRecord traced = tracer.trace_record(density_grid(s.crossings, settings.grid, settings.sigma));
     result.worst_tau = std::max(result.worst_tau, worst_difference(s.tau, traced.tau, settings.storage));
     result.worst_re = std::max(result.worst_re, worst_difference(s.re, traced.re, settings.storage));

@@ -1,8 +1,8 @@
--- HRIR-DB, schema version 1: sectors of hair and how they look (SCHEMA.md, "HRIR-DB"). BLOBs are little-endian.
+-- HRIR-DB, schema version 2: sectors of hair and how they look (SCHEMA.md, "HRIR-DB"). BLOBs are little-endian.
 -- A reader compares these statements with those of the file, so a changed character here is a new user_version.
 PRAGMA page_size = 4096;              -- 65536 would hold one 34 KB row per page and double the file
 PRAGMA application_id = 0x506C6765;   -- 'Plge'
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 
 CREATE TABLE metadata (
   id             INTEGER PRIMARY KEY CHECK (id = 1),

@@ -72,7 +72,7 @@ QuantisedArray quantise(const std::vector<float>& values, Storage storage, const
   return out;
 }
 
-std::vector<float> dequantise(const QuantisedArray& array, Storage storage) {
+std::vector<float> dequantise(const QuantisedView& array, Storage storage) {
   std::vector<float> values(array.bytes.size() / bytes_per_value(storage));
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = storage == Storage::u8 ? array.scale * (1.0F / 255.0F) * static_cast<float>(array.bytes[i])

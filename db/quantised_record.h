@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pelage/data_schema/bake_settings.h"
@@ -17,11 +18,20 @@ struct QuantisedArray {
   std::vector<std::uint8_t> bytes;  // 1 or 2 (little-endian) bytes per value
 };
 
+/// A stored array where it lies.
+struct QuantisedView {
+  float scale = 1;
+  std::span<const std::uint8_t> bytes;
+  QuantisedView() = default;
+  QuantisedView(float s, std::span<const std::uint8_t> b) : scale(s), bytes(b) {}
+  QuantisedView(const QuantisedArray& array) : scale(array.scale), bytes(array.bytes) {}
+};
+
 std::size_t bytes_per_value(Storage storage) noexcept;
 
 /// @throws InputError for a value that is negative, not finite or beyond the storage's range; `where` names it.
 QuantisedArray quantise(const std::vector<float>& values, Storage storage, const std::string& where);
-std::vector<float> dequantise(const QuantisedArray& array, Storage storage);
+std::vector<float> dequantise(const QuantisedView& array, Storage storage);
 
 /// IEEE 754 binary16, round to nearest even. Portable: the same bits on every CPU.
 std::uint16_t half_from_float(float value) noexcept;

@@ -1,8 +1,12 @@
 #include "pelage/db/record_bank.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <numbers>
 
 #include "pelage/data_schema/errors.h"
@@ -122,63 +126,100 @@ PELAGE_CLONES void run_16(const Query& q, float* tau, float* re) {
 PELAGE_CLONES void run_16_tau(const Query& q, float* tau) {
   run<std::uint16_t, false>(q, tau, nullptr);
 }
-#undef PELAGE_CLONES
 
-/// Cells of a stored array and the value of one step.
-float to_cells(const QuantisedArray& array, Storage storage, std::vector<std::uint16_t>& cells) {
-  if (storage == Storage::u8) {
-    cells.assign(array.bytes.begin(), array.bytes.end());
-    return array.scale / 255.0F;
-  }
-  const std::vector<float> values = dequantise(array, storage);
-  const float largest = *std::max_element(values.begin(), values.end());
+/// Halves, not negative and finite, become 16-bit cells of their largest, in place; returns the value of one step.
+PELAGE_CLONES float cells_from_halves(std::uint16_t* __restrict cells, std::size_t count) {
+  std::uint16_t most = 0;  // the bits of halves that are not negative order as they do
+  for (std::size_t i = 0; i < count; ++i) most = cells[i] > most ? cells[i] : most;
+  const float largest = float_from_half(most);
   const float gain = largest > 0 ? 65535.0F / largest : 0.0F;
-  cells.resize(values.size());
-  std::transform(values.begin(), values.end(), cells.begin(),
-                 [&](float v) { return static_cast<std::uint16_t>(std::min(v * gain + 0.5F, 65535.0F)); });
+  for (std::size_t i = 0; i < count; ++i) {
+    const float value = std::bit_cast<float>(static_cast<std::uint32_t>(cells[i]) << 13) * 0x1p112F;  // subnormals too
+    const float cell = value * gain + 0.5F;
+    cells[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(cell < 65535.0F ? cell : 65535.0F));
+  }
   return largest / 65535.0F;
 }
+#undef PELAGE_CLONES
 
 }  // namespace
+
+void RecordBank::Cells::allocate(std::size_t count) {
+  constexpr std::size_t kHugePage = std::size_t{1} << 21;
+  const std::size_t whole = (count + kHugePage - 1) / kHugePage * kHugePage;
+  bytes.reset(static_cast<std::uint8_t*>(std::aligned_alloc(kHugePage, whole)));
+  if (!bytes) throw std::bad_alloc();
+  if (count >= kHugePage) madvise(bytes.get(), whole, MADV_HUGEPAGE);  // a wish: without it all works as well
+  size = count;
+}
 
 RecordBank::RecordBank(const DatabaseReader& reader)
     : metadata_(reader.metadata()), feature_scale_(reader.feature_scale()), shape_(reader.shape()) {
   allocate(reader.metadata().sectors);
-  reader.for_each([&](std::uint64_t id, const StoredSector& sector) { set(id, sector); });
+  std::vector<std::vector<glm::vec2>> crossings(size());
+  reader.for_each_concurrently([&](std::uint64_t id, const SectorView& sector) {
+    set(id, sector);
+    crossings[id].assign(sector.crossings.begin(), sector.crossings.end());
+  });
+  set_crossings(crossings);
 }
 
 RecordBank::RecordBank(DatabaseMetadata metadata, FeatureScale scale, std::span<const StoredSector> sectors)
     : metadata_(std::move(metadata)), feature_scale_(std::move(scale)), shape_(record_shape(metadata_.settings)) {
   allocate(sectors.size());
-  for (std::size_t i = 0; i < sectors.size(); ++i) set(i, sectors[i]);
+  std::vector<std::vector<glm::vec2>> crossings;
+  for (std::size_t i = 0; i < sectors.size(); ++i) {
+    set(i, sectors[i]);
+    crossings.push_back(sectors[i].crossings);
+  }
+  set_crossings(crossings);
 }
 
 void RecordBank::allocate(std::size_t records) {
   cell_bytes_ = bytes_per_value(metadata_.settings.storage);
   scales_.resize(records);
+  features_.resize(records * static_cast<std::size_t>(dimension(metadata_.settings.features)));
   const auto row = static_cast<std::size_t>(shape_.lights) + 1;
-  tau_.resize(records * shape_.tau_size() * cell_bytes_);
-  re_.resize(records * shape_.tau_size() * row * cell_bytes_);
+  tau_.allocate(records * shape_.tau_size() * cell_bytes_);
+  re_.allocate(records * shape_.tau_size() * row * cell_bytes_);
 }
 
-void RecordBank::set(std::size_t record, const StoredSector& sector) {
+void RecordBank::set_crossings(std::span<const std::vector<glm::vec2>> of_record) {
+  for (const std::vector<glm::vec2>& crossings : of_record) {
+    crossings_.insert(crossings_.end(), crossings.begin(), crossings.end());
+    offsets_.push_back(static_cast<std::uint32_t>(crossings_.size()));
+  }
+}
+
+void RecordBank::set(std::size_t record, const SectorView& sector) {
   const auto views = static_cast<std::size_t>(shape_.views), lights = static_cast<std::size_t>(shape_.lights),
              samples = static_cast<std::size_t>(shape_.samples);
-  std::vector<std::uint16_t> cells;
-  const auto put = [&](std::uint8_t* at, std::size_t i) { std::memcpy(at, &cells[i], cell_bytes_); };
-  scales_[record].tau = to_cells(sector.tau, metadata_.settings.storage, cells);
-  std::uint8_t* tau = tau_.data() + record * shape_.tau_size() * cell_bytes_;
-  for (std::size_t i = 0; i < cells.size(); ++i, tau += cell_bytes_) put(tau, i);
-  scales_[record].re = to_cells(sector.re, metadata_.settings.storage, cells);
-  std::uint8_t* re = re_.data() + record * shape_.tau_size() * (lights + 1) * cell_bytes_;
-  for (std::size_t v = 0; v < views; ++v) {
-    for (std::size_t l = 0; l <= lights; ++l) {
-      for (std::size_t x = 0; x < samples; ++x, re += cell_bytes_) put(re, (v * lights + l % lights) * samples + x);
+  std::copy(sector.features.begin(), sector.features.end(), &features_[record * sector.features.size()]);
+  std::uint8_t* const tau = tau_.data() + record * shape_.tau_size() * cell_bytes_;
+  std::uint8_t* const re = re_.data() + record * shape_.tau_size() * (lights + 1) * cell_bytes_;
+  const std::size_t line = samples * cell_bytes_, view_in = lights * line, view_out = view_in + line;
+  const auto spread = [&](const std::uint8_t* cells) {  // the first light again behind the last
+    for (std::size_t v = 0; v < views; ++v) {
+      std::memcpy(re + v * view_out, cells + v * view_in, view_in);
+      std::memcpy(re + v * view_out + view_in, cells + v * view_in, line);
     }
+  };
+  if (metadata_.settings.storage == Storage::u8) {
+    std::memcpy(tau, sector.tau.bytes.data(), sector.tau.bytes.size());
+    spread(sector.re.bytes.data());
+    scales_[record] = {sector.tau.scale / 255.0F, sector.re.scale / 255.0F};
+    return;
   }
-  features_.insert(features_.end(), sector.features.begin(), sector.features.end());
-  crossings_.insert(crossings_.end(), sector.crossings.begin(), sector.crossings.end());
-  offsets_.push_back(static_cast<std::uint32_t>(crossings_.size()));
+  thread_local std::vector<std::uint16_t> cells;
+  const auto load_cells = [&](const QuantisedView& array) {
+    cells.resize(array.bytes.size() / 2);
+    std::memcpy(cells.data(), array.bytes.data(), cells.size() * 2);
+    return array.scale * cells_from_halves(cells.data(), cells.size());
+  };
+  scales_[record].tau = load_cells(sector.tau);
+  std::memcpy(tau, cells.data(), cells.size() * 2);
+  scales_[record].re = load_cells(sector.re);
+  spread(reinterpret_cast<const std::uint8_t*>(cells.data()));
 }
 
 float RecordBank::tau(std::size_t record, int view, int sample) const noexcept {

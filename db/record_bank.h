@@ -10,8 +10,10 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <glm/vec2.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -22,6 +24,7 @@ namespace pelage {
 
 class RecordBank {
  public:
+  /// Reads and verifies all rows, on TBB's threads.
   explicit RecordBank(const DatabaseReader& reader);
   /// @throws InputError as DatabaseReader
   explicit RecordBank(const std::filesystem::path& database) : RecordBank(DatabaseReader(database)) {}
@@ -37,7 +40,7 @@ class RecordBank {
     return {crossings_.data() + offsets_[record], crossings_.data() + offsets_[record + 1]};
   }
   float tau(std::size_t record, int view, int sample) const noexcept;
-  std::size_t bytes() const noexcept { return tau_.size() + re_.size(); }
+  std::size_t bytes() const noexcept { return tau_.size + re_.size; }
 
   /// tau and re of a record moved by `shift` along s (in sector widths, periodic), at angles that are linear in s:
   /// entry x of `tau` and `re` is at s = (x + 1/2) / samples. Bilinear in the periodic angles; along s, the record's
@@ -50,15 +53,27 @@ class RecordBank {
   struct Scales {
     float tau, re;  // value of one step of a cell
   };
+  /// Bytes that nobody clears first, in huge pages where the system has them: touching 69 MB of fresh 4 KB pages costs
+  /// seven times copying them (tests/bench/bench_open.cpp).
+  struct Cells {
+    struct Free {
+      void operator()(std::uint8_t* p) const noexcept { std::free(p); }
+    };
+    std::unique_ptr<std::uint8_t[], Free> bytes;
+    std::size_t size = 0;
+    void allocate(std::size_t count);
+    std::uint8_t* data() const noexcept { return bytes.get(); }
+  };
   void allocate(std::size_t records);
-  void set(std::size_t record, const StoredSector& sector);
+  void set(std::size_t record, const SectorView& sector);
+  void set_crossings(std::span<const std::vector<glm::vec2>> of_record);
 
   DatabaseMetadata metadata_;
   FeatureScale feature_scale_;
   RecordShape shape_;
   std::size_t cell_bytes_ = 1;
   std::vector<Scales> scales_;
-  std::vector<std::uint8_t> tau_, re_;
+  Cells tau_, re_;
   std::vector<float> features_;
   std::vector<std::uint32_t> offsets_{0};
   std::vector<glm::vec2> crossings_;

@@ -103,8 +103,8 @@ inline DatabaseMetadata metadata_of(const BakeSettings& settings, std::size_t co
 inline void write_database(const std::filesystem::path& file, const BakeSettings& settings,
                            const std::vector<StoredSector>& sectors) {
   DatabaseWriter writer(file, metadata_of(settings, sectors.size()));
-  for (std::size_t i = writer.rows(); i < sectors.size(); ++i) writer.append(sectors[i]);
-  writer.finish(scale_of(sectors));
+  for (std::size_t i = writer.next_row(); i < sectors.size(); ++i) writer.append(sectors[i]);
+  writer.finish();
 }
 
 /// Straight clusters of strands that drift slowly around the axis.

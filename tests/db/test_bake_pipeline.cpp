@@ -14,6 +14,7 @@
 #include "fixtures.h"
 #include "pelage/bake/verify.h"
 #include "pelage/data_schema/errors.h"
+#include "run_program.h"
 
 namespace pelage {
 namespace {
@@ -111,8 +112,9 @@ TEST(BakePipeline, RecordsDoNotDependOnHowManyAreBaked) {
   settings.sectors = 9;
   bake_database(settings, nullptr, folder / "few", {});
   std::vector<StoredSector> many;
-  DatabaseReader(folder / "many").for_each([&](std::uint64_t, const StoredSector& s) { many.push_back(s); });
-  DatabaseReader(folder / "few").for_each([&](std::uint64_t id, const StoredSector& s) {
+  DatabaseReader(folder / "many").for_each([&](std::uint64_t, const SectorView& s) { many.push_back(copy_of(s)); });
+  DatabaseReader(folder / "few").for_each([&](std::uint64_t id, const SectorView& row) {
+    const StoredSector s = copy_of(row);
     EXPECT_EQ(s.re.bytes, many[id].re.bytes);
     EXPECT_EQ(s.crossings, many[id].crossings);
   });
@@ -172,34 +174,23 @@ TEST(Verify, TheLadderEndsAtDirectAndADatabaseBeatsTheMean) {
   }
 }
 
-/// What a shell command prints, and its exit code.
-std::pair<std::string, int> run(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return {"", -1};
-  std::string text;
-  char part[512];
-  while (std::fgets(part, sizeof part, pipe) != nullptr) text += part;
-  const int status = pclose(pipe);
-  return {text, WIFEXITED(status) ? WEXITSTATUS(status) : -1};
-}
-
 TEST(Program, RefusesSeedsThatJsonCannotHold) {
   const Folder folder;
   const std::string file = (folder / "x.hrir").string();
   const std::string build = PELAGE_BAKE " build --sectors 1 -o " + file + " --seed ";
   for (const char* bad : {"9007199254740992", "18446744073709551615", "-1"}) {
-    const auto [text, code] = run(build + bad);
+    const auto [text, code] = run_program(build + bad);
     EXPECT_THAT(text, HasSubstr(bad + std::string(" is out of range: give a number in [0, 9007199254740991]")));
     EXPECT_EQ(code, 2);
     EXPECT_FALSE(std::filesystem::exists(file));
   }
-  EXPECT_EQ(run(build + "1.5").second, 2);
-  EXPECT_EQ(run(build + "9007199254740991").second, 0);
+  EXPECT_EQ(run_program(build + "1.5").code, 2);
+  EXPECT_EQ(run_program(build + "9007199254740991").code, 0);
   EXPECT_EQ(DatabaseReader(file).metadata().settings.seed, kLargestSeed);
 }
 
 TEST(Program, LinksNoOpenGlAndNoOpenImageIo) {
-  const std::string needed = run("readelf -d " PELAGE_BAKE " | grep NEEDED").first;
+  const std::string needed = run_program("readelf -d " PELAGE_BAKE " | grep NEEDED").text;
   EXPECT_THAT(needed, HasSubstr("libsqlite3"));
   for (const char* library : {"GL", "epoxy", "glfw", "OpenImageIO", "embree", "hdf5", "mpi", "flann"}) {
     EXPECT_THAT(needed, testing::Not(HasSubstr(library)));

@@ -29,16 +29,8 @@ StoredSector tiny_sector(const BakeSettings& settings, int index) {
 void write_tiny_database(const std::filesystem::path& file, const BakeSettings& settings) {
   const auto records = static_cast<std::uint64_t>(settings.sectors);
   DatabaseWriter writer(file, {settings, "random", "", "", "tiny", records});
-  const auto complete = [&](auto& w) {
-    if constexpr (requires { w.finish(); }) {
-      while (w.next_row() < records) w.append(tiny_sector(settings, static_cast<int>(w.next_row())));
-      w.finish();
-    } else {
-      while (w.rows() < records) w.append(tiny_sector(settings, static_cast<int>(w.rows())));
-      w.finish({{1, 2, 3}, {0.5, 0.25, 0}});
-    }
-  };
-  complete(writer);
+  while (writer.next_row() < records) writer.append(tiny_sector(settings, static_cast<int>(writer.next_row())));
+  writer.finish();
 }
 
 }  // namespace pelage::fuzz

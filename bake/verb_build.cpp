@@ -1,0 +1,152 @@
+// pelage-bake build: bakes a database, or one shard of it.
+#include <fmt/core.h>
+
+#include <charconv>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "pelage/bake/bake_pipeline.h"
+#include "pelage/bake/verbs.h"
+#include "pelage/console/options.h"
+#include "pelage/console/program.h"
+#include "pelage/console/progress.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/db/database.h"
+
+namespace pelage {
+namespace {
+
+const std::map<std::string, FeatureSet> kFeatureSets{
+    {"paper3", FeatureSet::paper3}, {"moments5", FeatureSet::moments5}, {"profile11", FeatureSet::profile11}};
+const std::map<std::string, Storage> kStorages{{"u8", Storage::u8}, {"half", Storage::half}};
+
+enum class Resume { when_there, must, never };
+
+struct Options {
+  std::string from, settings, output, shard = "1/1";
+  Resume resume = Resume::when_there;
+  std::optional<int> sectors;
+  std::optional<std::uint64_t> seed;
+  std::optional<FeatureSet> features;
+  std::optional<Storage> storage;
+};
+
+/// "2/5".
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  const bool slash = index.ec == std::errc{} && index.ptr != end && *index.ptr == '/';
+  const auto count = slash ? std::from_chars(index.ptr + 1, end, shard.count) : index;
+  if (!slash || count.ec != std::errc{} || count.ptr != end) {
+    throw UsageError("shard \"" + text + "\": give i/n with 1 <= i <= n, e.g. 1/4");
+  }
+  return shard;
+}
+
+/// The settings of the interrupted bake, for --resume.
+BakeSettings settings_to_resume(const Options& o) {
+  const auto partial = partial_of(o.output);
+  if (!std::filesystem::exists(partial)) {
+    throw InputError(partial.string(), "there is no interrupted bake to resume: leave --resume out to begin one");
+  }
+  const DatabaseReader reader(partial, Accept::unfinished);
+  const DatabaseMetadata& m = reader.metadata();
+  if (m.source == "hairstyle" && o.from.empty()) {
+    throw UsageError(partial.string() + " is baked from hairstyle '" + m.source_name + "': give it again with --from");
+  }
+  return m.settings;
+}
+
+/// The settings file's values, or the interrupted bake's, or the defaults, with the options on top.
+BakeSettings resolve(const Options& o) {
+  BakeSettings settings;
+  if (o.resume == Resume::must) settings = settings_to_resume(o);
+  if (!o.settings.empty()) settings = load_bake_settings(o.settings);
+  settings.sectors = o.sectors.value_or(settings.sectors);
+  settings.seed = o.seed.value_or(settings.seed);
+  settings.features = o.features.value_or(settings.features);
+  settings.storage = o.storage.value_or(settings.storage);
+  return settings;
+}
+
+BakeResult bake(const BakeSettings& settings, const Hairstyle* style, const Options& o, Shard shard) {
+  std::unique_ptr<console::Progress> progress;
+  std::uint64_t done = 0, total = 0;
+  try {
+    return bake_database(
+        settings, style, o.output,
+        [&](std::uint64_t d, std::uint64_t t) {
+          done = d;
+          total = t;
+          console::throw_if_interrupted();
+          if (!progress) progress = std::make_unique<console::Progress>("baking", total, "sectors");
+          progress->update(done);
+        },
+        shard);
+  } catch (const Interrupted&) {
+    throw Interrupted(fmt::format("interrupted: {} of {} records are kept in {}; the same command goes on from there",
+                                  done, total, partial_of(o.output).string()));
+  }
+}
+
+void print(const BakeResult& result, const Options& o) {
+  const auto bytes = std::filesystem::file_size(o.output);
+  if (console::common().json) {
+    const nlohmann::ordered_json json = {{"database", o.output},      {"shard", o.shard}, {"records", result.records},
+                                         {"resumed", result.resumed}, {"bytes", bytes},   {"seconds", result.seconds}};
+    std::cout << json.dump(2) << '\n';
+    return;
+  }
+  fmt::print("{}: {}{} records{}, {:.1f} MB, {:.1f} s\n", o.output, o.shard == "1/1" ? "" : "shard " + o.shard + ", ",
+             result.records,
+             result.resumed > 0 ? fmt::format(" ({} of them from the interrupted bake)", result.resumed) : "",
+             static_cast<double>(bytes) / 1e6, result.seconds);
+}
+
+void build(const Options& o) {
+  const Shard shard = parse_shard(o.shard);
+  check_writable(o.output);
+  if (o.resume == Resume::never) discard_partial(o.output);
+  const BakeSettings settings = resolve(o);
+  std::optional<Hairstyle> style;
+  if (!o.from.empty()) style = load_hairstyle(o.from);
+  print(bake(settings, style ? &*style : nullptr, o, shard), o);
+}
+
+}  // namespace
+
+void add_build(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("build", "Bakes a database of random sectors, or of a hairstyle's own");
+  const auto o = std::make_shared<Options>();
+  verb->add_option("--from", o->from, "hairstyle file: bake its representative sectors instead of random ones");
+  verb->add_option("--settings", o->settings, "bake settings (JSON); the options below go before it");
+  verb->add_option("--sectors", o->sectors, "records to bake (default 2000)")->check(CLI::Range(1, 1000000));
+  verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)")
+      ->check(console::finite(0, static_cast<double>(kLargestSeed)));
+  verb->add_option("--features", o->features, "what the search compares (default profile11)")
+      ->transform(CLI::CheckedTransformer(kFeatureSets));
+  verb->add_option("--storage", o->storage, "of a value: 8 bits or IEEE half (default u8)")
+      ->transform(CLI::CheckedTransformer(kStorages));
+  verb->add_option("--shard", o->shard,
+                   "i/n: bake only the i-th of n parts of the records; `merge` puts them together");
+  auto* must = verb->add_flag_callback(
+      "--resume", [o] { o->resume = Resume::must; },
+      "go on with the interrupted bake of this output, with its settings; an error when there is none (without this "
+      "option it is resumed where there is one)");
+  verb->add_flag_callback(
+          "--no-resume", [o] { o->resume = Resume::never; }, "begin anew; an interrupted bake's records are deleted")
+      ->excludes(must);
+  verb->add_option("-o,--output", o->output, "database to write, e.g. hair.hrir; an interrupted bake is resumed")
+      ->required();
+  console::add_common_options(*verb);
+  verb->callback([o] { build(*o); });
+}
+
+}  // namespace pelage

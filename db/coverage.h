@@ -1,0 +1,24 @@
+// How densely a database covers the space of density features, and how well it covers the sectors of a hairstyle: the
+// distance to the nearest record, which is what the lookup's error grows with.
+//
+// Distances are RMS over the features, in standard deviations of the records (FeatureScale): 1 means that an average
+// feature is off by as much as records differ from their mean.
+#pragma once
+
+#include <vector>
+
+#include "pelage/db/record_bank.h"
+#include "pelage/db/sectors.h"
+
+namespace pelage {
+
+/// [record] distance to its nearest other record; 0 for a database of one.
+std::vector<float> record_spacing(const RecordBank& bank);
+
+/// [non-empty sector] distance to its nearest record.
+std::vector<float> sector_distances(const RecordBank& bank, const SectorSet& sectors);
+
+/// Value below which a share `p` in [0, 1] of `values` lies; 0 without any.
+float quantile(std::vector<float> values, double p);
+
+}  // namespace pelage
