@@ -123,16 +123,10 @@ class Scalars {
   Scalars(Bytes body, Encoding encoding, const std::string& where)
       : body_(body), text_(as_text(body), " \t\r\n"), encoding_(encoding), where_(where) {}
 
-  /// Could `count` rows of at least so many scalars and bytes be there?
-  bool may_hold(std::uint64_t count, std::size_t scalars, std::size_t bytes) const {
-    const std::size_t least = encoding_ == Encoding::text ? 2 * scalars : bytes;  // a digit and a space
-    return least == 0 || count <= (left() + 1) / least;
-  }
-
   double next(Type type) {
     if (encoding_ == Encoding::text) return from_text(type);
     const std::size_t size = bytes_of(type);
-    if (left() < size) refuse("ends in the middle");
+    if (body_.size() - at_ < size) refuse("ends in the middle");
     std::array<std::byte, 8> bytes{};
     std::copy_n(body_.begin() + static_cast<std::ptrdiff_t>(at_), size, bytes.begin());
     if (encoding_ == Encoding::big_endian)
@@ -146,8 +140,6 @@ class Scalars {
   }
 
  private:
-  std::size_t left() const { return encoding_ == Encoding::text ? text_.left() : body_.size() - at_; }
-
   static double from_bytes(const std::array<std::byte, 8>& bytes, Type type) {
     switch (type) {
       case Type::i8:
@@ -245,14 +237,9 @@ class BodyParser {
     return slots;
   }
 
+  /// Row by row, each of at least a byte: a count that the file does not hold ends with the file, nothing is reserved.
   void read_element(const Element& element) {
     if (element.properties.empty()) return;
-    std::size_t bytes = 0;
-    for (const Property& p : element.properties) bytes += bytes_of(p.count_type.value_or(p.type));
-    if (!scalars_.may_hold(element.count, element.properties.size(), bytes)) {
-      scalars_.refuse(std::to_string(element.count) + " of element " + std::string(element.name) +
-                      " do not fit into the file");
-    }
     const bool vertices = element.name == "vertex", strands = element.name == "strand";
     const std::vector<std::size_t> slots = slots_of(element);
     std::array<double, kSlots + 1> row{};

@@ -94,6 +94,9 @@ const Format& format_of(Bytes bytes, const std::string& where) {
   if (extension == ".tfxbone") {
     throw InputError(where, "holds the bone weights of a .tfx file, no hair: give the .tfx file beside it");
   }
+  if (extension == ".tfxmesh") {
+    throw InputError(where, "holds the collision mesh of a .tfx file, no hair: give the .tfx file beside it");
+  }
   const Format* const named = by_extension(extension, false);
   if (named != nullptr) return *named;
   throw InputError(where, "none of the hair formats that are read, which are " + list_formats(false) +

@@ -33,8 +33,6 @@ class Words {
     return word;
   }
 
-  std::size_t left() const noexcept { return rest_.size(); }
-
  private:
   std::string_view rest_, separators_;
 };

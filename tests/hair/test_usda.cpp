@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 
@@ -194,6 +195,34 @@ TEST(Usda, TakesTheCurvesOfAllPrimsAndNothingElse) {
   EXPECT_EQ(s.diameter_m, 1e-4F);
 }
 
+TEST(Usda, PrimsThatSayLessAreRepairedFromTheOthersInAnyOrder) {
+  const std::string body =
+      "{ uniform token type = \"linear\"\n int[] curveVertexCounts = [2]\n"
+      "point3f[] points = [(0,0,0), (0,.1,0)]\n";
+  const std::string rich = "def BasisCurves \"r\" " + body +
+                           "color3f[] primvars:displayColor = [(.25, .5, 1)]\n"
+                           "float[] widths = [0.0001220703125, 0.0003662109375] }\n";
+  const std::string poor = "def BasisCurves \"p\" " + body + "}\n";
+  for (const std::string& text : {rich + poor + poor, poor + rich + poor, poor + poor + rich}) {
+    ReadReport report;
+    const Strands s = read("#usda 1.0\n(metersPerUnit = 1)\n" + text, &report);
+    EXPECT_EQ(s.colours, std::vector<glm::vec3>(3, glm::vec3(0.25F, 0.5F, 1)));
+    std::vector<float> diameters = s.diameters_m;
+    std::sort(diameters.begin(), diameters.end());
+    constexpr float d = 1.0F / 8192;  // exact, and so is the mean
+    EXPECT_EQ(diameters, (std::vector<float>{d, 2 * d, 2 * d, 2 * d, 2 * d, 3 * d}));
+    EXPECT_EQ(report.repaired(), 4U);  // two strands, twice
+  }
+}
+
+TEST(Usda, QuotesHideWhatIsInThem) {
+  const std::string text = curves(
+      "string a = \"x \\\" } ( # \"\nstring b = '} \\' \"'\nasset c = @} (@\n"
+      "string d = \"\"\"\"} \\\"\"\" {\"\"\"\nstring e = \"\"\n# }\nrel f = </x{>\n" +
+      line(4));
+  EXPECT_EQ(read(text).count(), 1U) << text;
+}
+
 TEST(Usda, TakesTheFirstTimeSample) {
   ReadReport report;
   const Strands s =
@@ -211,6 +240,8 @@ TEST(Usda, RefusesWithTheReason) {
   EXPECT_THAT(refusal(curves(line(4) + "uniform token basis = \"hermite\"\n")), HasSubstr("hermite"));
   EXPECT_THAT(refusal(curves(line(4) + "uniform token type = \"quintic\"\n")), HasSubstr("quintic"));
   EXPECT_THAT(refusal(curves("int[] curveVertexCounts = [3]\npoint3f[] points = [(0,0,0)]\n")), HasSubstr("need 3"));
+  EXPECT_THAT(refusal(curves("int[] curveVertexCounts = [2]\npoint3f[] points = [(0,0,0), (0,1,0), (0,2,0)]\n")),
+              HasSubstr("need 2"));
   EXPECT_THAT(refusal(curves("int[] curveVertexCounts = [1]\npoint3f[] points = [(0,0)]\n")), HasSubstr("triples"));
   EXPECT_THAT(refusal(curves("point3f[] points = [(0,x,0)]\n")), HasSubstr("line 8"));
   EXPECT_THAT(refusal("#usda 1.0\n(metersPerUnit = 0)"), HasSubstr("metersPerUnit"));
