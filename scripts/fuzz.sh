@@ -67,6 +67,6 @@ for harness in "$@"; do
 done
 for log in $(grep -LE '^stat::' "$runs"/*.log); do
   echo "== $log"
-  grep -nE 'ERROR|Broken|what\(\)|^terminate|SUMMARY|^ +#[0-9]+ ' "$log" | head -40
+  grep -nE 'ERROR|Broken|what\(\)|^terminate|SUMMARY|^Base64|^ +#[0-9]+ ' "$log" | head -40
 done
 exit "$failed"

@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-#include <array>
+#include <csignal>
 
 namespace pelage::faults {
 namespace {
@@ -15,6 +15,10 @@ sqlite3_vfs* below = nullptr;
 bool fails() {
   ++counted;
   return current.fail_at > 0 && (current.stay_broken ? counted >= current.fail_at : counted == current.fail_at);
+}
+int fail(int code) {
+  if (current.kind == Kind::killed) raise(SIGKILL);
+  return code;
 }
 
 /// The real file follows in the same allocation.
@@ -29,14 +33,14 @@ sqlite3_file* real(sqlite3_file* file) {
 int write(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 offset) {
   const auto next = [&](int count) { return real(file)->pMethods->xWrite(real(file), bytes, count, offset); };
   if (!fails()) return next(size);
-  if (current.kind == Kind::short_write) next(size / 2);
-  return current.kind == Kind::input_output ? SQLITE_IOERR_WRITE : SQLITE_FULL;
+  if (current.kind == Kind::short_write || current.kind == Kind::killed) next(size / 2);
+  return fail(current.kind == Kind::input_output ? SQLITE_IOERR_WRITE : SQLITE_FULL);
 }
 int sync(sqlite3_file*, int) {  // the tests kill no power
-  return fails() ? SQLITE_IOERR_FSYNC : SQLITE_OK;
+  return fails() ? fail(SQLITE_IOERR_FSYNC) : SQLITE_OK;
 }
 int truncate(sqlite3_file* file, sqlite3_int64 size) {
-  return fails() ? SQLITE_IOERR_TRUNCATE : real(file)->pMethods->xTruncate(real(file), size);
+  return fails() ? fail(SQLITE_IOERR_TRUNCATE) : real(file)->pMethods->xTruncate(real(file), size);
 }
 
 /// Methods that only pass on.
@@ -68,7 +72,7 @@ const M kMethods = {3,
 
 int open(sqlite3_vfs*, sqlite3_filename name, sqlite3_file* file, int flags, int* out_flags) {
   file->pMethods = nullptr;
-  if (fails()) return SQLITE_CANTOPEN;
+  if (fails()) return fail(SQLITE_CANTOPEN);
   const int code = below->xOpen(below, name, real(file), flags, out_flags);
   if (real(file)->pMethods != nullptr) file->pMethods = &kMethods;
   return code;

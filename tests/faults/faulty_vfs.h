@@ -4,7 +4,7 @@
 
 namespace pelage::faults {
 
-enum class Kind { disk_full, input_output, short_write };
+enum class Kind { disk_full, input_output, short_write, killed };
 
 struct Plan {
   long fail_at = 0;  // the operation that fails, counted from 1; 0: none

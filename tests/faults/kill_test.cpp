@@ -1,9 +1,9 @@
 // A bake that is killed (kill -9) at any moment, again and again, and one that is interrupted (Ctrl-C): the next one
 // goes on, and the file ends up with the bytes of an undisturbed bake. HARD_CASES 16, 32.
 //
-// Moments are drawn from a fixed seed and scaled to what an undisturbed bake took here: some anywhere in it, some while
-// the finished file is made (VACUUM INTO a temporary file, then rename), which is short. PELAGE_KILLS and
-// PELAGE_KILL_SEED make a campaign of it (scripts/kill-campaign.sh).
+// Moments are drawn from a fixed seed and scaled to what an undisturbed bake took here: some anywhere in it, some in
+// the middle of a write, which is short, and some while the finished file is made (VACUUM INTO a temporary file, then
+// rename), which is short too. PELAGE_KILLS and PELAGE_KILL_SEED make a campaign of it (scripts/kill-campaign.sh).
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -26,7 +26,7 @@ using Seconds = std::chrono::duration<double>;
 namespace fs = std::filesystem;
 
 constexpr const char* kSettings =
-    R"({"version": 1, "sectors": 2500, "grid": 16, "views": 12, "lights": 8, "samples": 16})";
+    R"({"version": 1, "sectors": 2500, "grid": 16, "views": 12, "lights": 32, "samples": 16})";
 
 unsigned number_from(const char* variable, unsigned otherwise) {
   const char* text = std::getenv(variable);
@@ -58,6 +58,25 @@ class Bake {
   double finish_s() const { return finish_s_; }
   bool is_as_undisturbed() const { return test::text_of(file()) == undisturbed_ && !undisturbed_.empty(); }
   bool has_partial() const { return fs::exists(folder_ / "x.hrir.partial"); }
+
+  /// Returns when a file of the partial database has changed `times` times, or the finished one is being made.
+  void wait_for_writes(int times) const {
+    const auto change = [&] {
+      std::pair<fs::file_time_type, std::uintmax_t> latest{};
+      for (const char* suffix : {"", "-wal", "-journal"}) {
+        std::error_code absent;
+        const fs::path part = file().string() + ".partial" + suffix;
+        latest = std::max(latest, {fs::last_write_time(part, absent), fs::file_size(part, absent) + 1});
+      }
+      return latest;
+    };
+    auto last = change();
+    for (unsigned look = 1; times > 0 && (look % 64 != 0 || !finishing()); ++look) {
+      const auto now = change();
+      if (now != last) --times;
+      last = now;
+    }
+  }
 
   /// Is the finished file being made, or made?
   bool finishing() const {
@@ -94,22 +113,26 @@ TEST(Killed, ResumesToTheSameBytes) {
   std::mt19937 random(number_from("PELAGE_KILL_SEED", 1));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Bake bake;
-  unsigned killed = 0, while_finishing = 0, finished = 0;
+  unsigned killed = 0, while_writing = 0, while_finishing = 0, finished = 0;
   for (unsigned round = 0; killed < kills && round < 20 * kills; ++round) {
     const Child child = bake.begin();
-    const bool late = unit(random) < 0.4;
-    if (late) {
+    const double moment = unit(random), aim = unit(random);
+    const bool finishing = aim < 0.3, writing = !finishing && aim < 0.6;
+    if (finishing) {
       bake.wait_for_finish(Clock::now() + std::chrono::minutes(5));
-      sleep_for(1.2 * unit(random) * bake.finish_s());
+      sleep_for(1.2 * moment * bake.finish_s());
+    } else if (writing) {
+      bake.wait_for_writes(1 + static_cast<int>(60 * moment));
     } else {
-      sleep_for(0.8 * unit(random) * bake.rows_s());
+      sleep_for(0.8 * moment * bake.rows_s());
     }
     child.signal(SIGKILL);
     const Result result = child.wait();
     ASSERT_TRUE(result.code == 0 || result.code == -SIGKILL) << "exit code " << result.code << ": " << result.err;
     if (result.code != 0) {
       ++killed;
-      while_finishing += late;
+      while_writing += writing;
+      while_finishing += finishing;
     }
     if (!fs::exists(bake.file())) {
       ASSERT_NE(result.code, 0);
@@ -128,11 +151,12 @@ TEST(Killed, ResumesToTheSameBytes) {
   EXPECT_EQ(last.code, 0) << last.err;
   EXPECT_TRUE(bake.is_as_undisturbed());
   EXPECT_FALSE(bake.has_partial());
-  std::cout << killed << " kills, " << while_finishing << " of them while the file was finished; " << finished + 1
-            << " databases completed, all the same\n";
+  std::cout << killed << " kills, " << while_writing << " of them at a write, " << while_finishing
+            << " while the file was finished; " << finished + 1 << " databases completed, all the same\n";
   EXPECT_EQ(killed, kills) << "bakes ended before they were killed";
+  EXPECT_GT(while_writing, 0U);
   EXPECT_GT(while_finishing, 0U);
-  EXPECT_LT(while_finishing, killed);
+  EXPECT_LT(while_writing + while_finishing, killed);
 }
 
 TEST(Interrupted, Exits130AndResumesToTheSameBytes) {
