@@ -152,6 +152,13 @@ std::vector<glm::vec3> colours_per_point(const Strands& strands) {
   return colours;
 }
 
+/// Only where they differ, or are 1, which in the header means that nothing is known.
+std::vector<float> diameters_per_point(const Strands& strands) {
+  if (strands.diameters_m.empty() && strands.diameter_m == 1.0F)
+    return std::vector<float>(strands.vertices.size(), 1.0F);
+  return strands.diameters_m;
+}
+
 }  // namespace
 
 RawHair decode_hair(Bytes bytes, const std::string& where) {
@@ -190,7 +197,8 @@ RawHair decode_hair(Bytes bytes, const std::string& where) {
 std::string encode_hair(const Strands& strands, Output& output) {
   const std::vector<std::uint16_t> segments = segments_per_strand(strands, output.where);
   const bool even = all_equal(segments);
-  const std::uint32_t bits = (even ? 0U : kSegments) | kPoints | (strands.diameters_m.empty() ? 0U : kThickness) |
+  const std::vector<float> diameters_m = diameters_per_point(strands);
+  const std::uint32_t bits = (even ? 0U : kSegments) | kPoints | (diameters_m.empty() ? 0U : kThickness) |
                              (strands.colours.empty() ? 0U : kColour);
   if (output.opacity && 1.0F - (1.0F - *output.opacity) != *output.opacity)
     output.report.lost.push_back("opacity: rounded, HAIR stores 1 - opacity");
@@ -200,7 +208,7 @@ std::string encode_hair(const Strands& strands, Output& output) {
   std::string bytes(header.data(), header.size());
   if (!even) append_array(bytes, segments);
   append_array(bytes, strands.vertices);
-  append_array(bytes, strands.diameters_m);
+  append_array(bytes, diameters_m);
   append_array(bytes, colours_per_point(strands));
   return bytes;
 }

@@ -133,6 +133,14 @@ TEST(Formats, DiametersAlongAStrandSurviveWhereThereIsRoom) {
   EXPECT_THAT(report.lost[0], HasSubstr("along 1 strands"));
 }
 
+TEST(Formats, ADiameterOfOneIsNotTakenForNone) {
+  Strands strands;
+  strands.append(std::vector<glm::vec3>{{0, 0, 0}, {0, 100, 0}});
+  strands.diameter_m = 1.0F;  // found by fuzzing: 1 in HAIR's header is what writers leave that have none
+  for (const std::string name : {"x.hair", "x.tfx", "x.ply", "x.usda"})
+    expect_same(parse_hair(bytes_of(format_strands(strands, name)), name, kAnyLength), strands, name);
+}
+
 TEST(Formats, WhatIsLostIsTold) {
   Strands strands = awkward_hair({4, 4});
   const auto lost = [&](const std::string& name) {
