@@ -96,7 +96,9 @@ void verify(const Options& o) {
   if (!o.against.empty()) {
     const Hairstyle style = load_hairstyle(o.against);
     const auto bank = std::make_shared<const RecordBank>(reader);
-    const Coverage coverage{record_spacing(*bank), sector_distances(*bank, sectors_of(style.clusters, style.division))};
+    const Coverage coverage{
+        record_spacing(*bank),
+        distances_to_records(*bank, used_sector_features(*bank, sectors_of(style.clusters, style.division)))};
     if (!as_json) print_coverage(coverage, o.against);
     console::throw_if_interrupted();
     const auto ladder = accuracy_ladder(bank, style, o.ladder);

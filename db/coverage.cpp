@@ -35,7 +35,7 @@ std::vector<float> record_spacing(const RecordBank& bank) {
   return distances;
 }
 
-std::vector<float> sector_distances(const RecordBank& bank, const SectorSet& sectors) {
+std::vector<float> used_sector_features(const RecordBank& bank, const SectorSet& sectors) {
   const BakeSettings& baked = bank.metadata().settings;
   const auto width = static_cast<std::size_t>(dimension(baked.features));
   const std::vector<float> all = density_features(sectors, baked.features, baked.grid, baked.sigma);
@@ -44,11 +44,16 @@ std::vector<float> sector_distances(const RecordBank& bank, const SectorSet& sec
     const float* row = &all[i * width];
     if (row[0] >= kEmptyDensity) used.insert(used.end(), row, row + width);
   }
-  bank.feature_scale().apply(used);
+  return used;
+}
+
+std::vector<float> distances_to_records(const RecordBank& bank, std::vector<float> features) {
+  const auto width = static_cast<std::size_t>(dimension(bank.metadata().settings.features));
+  bank.feature_scale().apply(features);
   const NearestSectors index = index_of(bank);
-  std::vector<float> distances(used.size() / width);
+  std::vector<float> distances(features.size() / width);
   tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
-    distances[i] = rms(index.nearest({&used[i * width], width}, 1)[0].distance_sq, index.dimensions());
+    distances[i] = rms(index.nearest({&features[i * width], width}, 1)[0].distance_sq, index.dimensions());
   });
   return distances;
 }

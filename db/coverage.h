@@ -15,8 +15,11 @@ namespace pelage {
 /// [record] distance to its nearest other record; 0 for a database of one.
 std::vector<float> record_spacing(const RecordBank& bank);
 
-/// [non-empty sector] distance to its nearest record.
-std::vector<float> sector_distances(const RecordBank& bank, const SectorSet& sectors);
+/// [non-empty sector][dimension] unscaled features, as the database was baked with.
+std::vector<float> used_sector_features(const RecordBank& bank, const SectorSet& sectors);
+
+/// [point] distance of unscaled features to the nearest record.
+std::vector<float> distances_to_records(const RecordBank& bank, std::vector<float> features);
 
 /// Value below which a share `p` in [0, 1] of `values` lies; 0 without any.
 float quantile(std::vector<float> values, double p);

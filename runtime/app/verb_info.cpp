@@ -1,4 +1,4 @@
-// pelage info: what a hair file or a hairstyle holds, and what looks implausible about it.
+// pelage info: what a hair file, a hairstyle or a database holds, and what looks implausible about it.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/app/info_database.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
@@ -20,7 +21,7 @@ namespace pelage::app {
 namespace {
 
 struct Options {
-  std::filesystem::path input;
+  std::filesystem::path input, against, picture;
   std::string unit = "m", up = "y", curve = "polyline";
 };
 
@@ -95,8 +96,9 @@ void info_of_hairstyle(const std::filesystem::path& file) {
 }
 
 void run(const Options& options) {
-  if (is_database(options.input)) {
-    throw InputError(options.input.string(), "is a database: `pelage-bake info` shows what it holds");
+  if (is_database(options.input)) return info_of_database(options.input, options.against, options.picture);
+  if (!options.picture.empty() || !options.against.empty()) {
+    throw UsageError(options.input.string() + " is no database: -o and --against belong to one");
   }
   if (options.input.extension() == ".json") return info_of_hairstyle(options.input);
   info_of_hair(options);
@@ -105,14 +107,18 @@ void run(const Options& options) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("info", "Show what a hair file or a hairstyle holds, and what looks implausible");
+  CLI::App* verb =
+      app.add_subcommand("info", "Show what a hair file, a hairstyle or a database holds, and what looks implausible");
   const auto options = std::make_shared<Options>();
-  verb->add_option("file", options->input, "hair file (.hair, .tfx, .data, .ply, .obj, .usda), or a hairstyle (.json)")
+  verb->add_option("file", options->input,
+                   "hair file (.hair, .tfx, .data, .ply, .obj, .usda), a hairstyle (.json), or a database (.hrir)")
       ->required();
   verb->add_option("--unit", options->unit, "of the hair file: m, cm, mm, in, or metres per unit")
       ->capture_default_str();
   verb->add_option("--up", options->up, "axis of the hair file that points up: x, y or z")->capture_default_str();
   verb->add_option("--curve", options->curve, "what its vertices are: polyline or bspline")->capture_default_str();
+  verb->add_option("--against", options->against, "of a database: hairstyle (.json) whose sectors should be covered");
+  verb->add_option("-o,--output", options->picture, "of a database: draw records and coverage to this PNG or EXR file");
   console::add_common_options(*verb);
   verb->callback([options] { run(*options); });
 }

@@ -10,14 +10,6 @@
 #include "pelage/image/tone.h"
 
 namespace pelage {
-namespace {
-
-float srgb_decode(float v) noexcept {
-  return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
-}
-
-}  // namespace
-
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::map<std::string, std::string>& attributes) {
   const std::string extension = file.extension().string();

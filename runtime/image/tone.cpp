@@ -35,6 +35,10 @@ float srgb_encode(float linear) noexcept {
   return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1.0F / 2.4F) - 0.055F;
 }
 
+float srgb_decode(float v) noexcept {
+  return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
+}
+
 std::vector<std::uint8_t> to_srgb8(const Image& image) {
   std::vector<std::uint8_t> out(image.rgba.size());
   const auto byte = [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0F, 1.0F) * 255.0F + 0.5F); };

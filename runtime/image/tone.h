@@ -21,6 +21,8 @@ void expose(Image& image, float gain) noexcept;
 
 /// sRGB transfer curve of a linear value, clamped to [0, 1].
 float srgb_encode(float linear) noexcept;
+/// Its inverse on [0, 1].
+float srgb_decode(float encoded) noexcept;
 
 /// 8-bit sRGB with straight (un-premultiplied) alpha, [y][x][4].
 std::vector<std::uint8_t> to_srgb8(const Image& image);
