@@ -26,7 +26,7 @@ using Seconds = std::chrono::duration<double>;
 namespace fs = std::filesystem;
 
 constexpr const char* kSettings =
-    R"({"version": 1, "sectors": 2500, "grid": 16, "views": 12, "lights": 32, "samples": 16})";
+    R"({"version": 1, "sectors": 1500, "grid": 16, "views": 12, "lights": 32, "samples": 16})";
 
 unsigned number_from(const char* variable, unsigned otherwise) {
   const char* text = std::getenv(variable);
