@@ -18,3 +18,8 @@ render "$work/bob.hair" --records direct -o docs/bob-direct.png
 render "$work/bob.hair" --records own-alpha -o docs/bob-own-alpha.png
 render "$work/bob.hair" -o docs/bob-database.png
 render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
+
+# Records and coverage: a generic database against the wavy hair.
+"$bin/pelage" cluster "$work/wavy.hair" -o "$work/wavy.json" --log-level warn > /dev/null
+"$bin/pelage-bake" build -o "$work/random.hrir" --progress never > /dev/null
+"$bin/pelage" info "$work/random.hrir" --against "$work/wavy.json" -o docs/coverage.png > /dev/null

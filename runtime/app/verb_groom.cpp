@@ -1,4 +1,4 @@
-// pelage groom: procedural hair on the parametric head, as a HAIR file.
+// pelage groom: procedural hair on the parametric head, as a hair file.
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
@@ -38,11 +38,13 @@ void print_result(const Strands& strands, const Options& options) {
 
 void run(Options& options) {
   options.settings.style = hair::parse_groom_style(options.style);
+  hair::check_hair_output(options.output);
   check_writable(options.output);
   if (!options.head_output.empty()) check_writable(options.head_output);
   const Strands strands = hair::groom(options.settings);
   console::throw_if_interrupted();
-  hair::write_hair(strands, options.output);
+  const hair::WriteReport written = hair::write_strands(strands, options.output);
+  for (const std::string& lost : written.lost) spdlog::warn("{}: lost: {}", options.output.string(), lost);
   if (!options.head_output.empty()) {
     hair::write_obj(hair::parametric_head(options.settings.head), options.head_output);
   }
@@ -54,7 +56,7 @@ void run(Options& options) {
 }  // namespace
 
 void add_groom(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("groom", "Grow hair on a parametric head and write it as a HAIR file");
+  CLI::App* verb = app.add_subcommand("groom", "Grow hair on a parametric head and write it as a hair file");
   const auto options = std::make_shared<Options>();
   verb->add_option("--style", options->style, "straight, wavy, curly, bob or ponytail")->capture_default_str();
   verb->add_option("--strands", options->settings.strands, "number of strands")->capture_default_str();
@@ -64,7 +66,8 @@ void add_groom(CLI::App& app) {
   verb->add_option("--length-scale", options->settings.length_scale, "longer or shorter hair, 0.2 to 3")
       ->capture_default_str();
   verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")->capture_default_str();
-  verb->add_option("-o,--output", options->output, "HAIR file to write")->required();
+  verb->add_option("-o,--output", options->output, "hair file to write: .hair, .tfx, .data, .ply, .obj or .usda")
+      ->required();
   verb->add_option("--head-out", options->head_output, "also write the head, as OBJ");
   console::add_common_options(*verb);
   verb->callback([options] { run(*options); });

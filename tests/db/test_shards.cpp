@@ -196,6 +196,19 @@ TEST_F(BakeProgram, ShardsAndMerges) {
   EXPECT_TRUE(bytes_of(folder_ / "merged") == bytes_of(folder_ / "whole"));
 }
 
+/// libm and the vectorised loops choose their variants by the CPU; with fewer features seen, libm takes others.
+TEST_F(BakeProgram, SameBytesWithoutFmaAndAvx) {
+  ASSERT_EQ(bake(build()).code, 0);
+  const std::string bytes = bytes_of(folder_ / "x.hrir");
+  for (const char* hidden :
+       {"-AVX512F", "-AVX512F,-AVX2,-AVX2_Usable,-FMA,-FMA_Usable", "-AVX512F,-AVX2,-FMA,-AVX,-SSE4_1"}) {
+    const Ran ran =
+        run_program(std::string("GLIBC_TUNABLES=glibc.cpu.hwcaps=") + hidden + " " PELAGE_BAKE " " + build());
+    ASSERT_EQ(ran.code, 0) << ran.text;
+    EXPECT_TRUE(bytes_of(folder_ / "x.hrir") == bytes) << hidden;
+  }
+}
+
 TEST_F(BakeProgram, RefusesShardsThatThereAreNot) {
   for (const char* bad : {"0/3", "4/3", "1", "1/", "/3", "1/3x", "-1/3", "1/0", "1/200"}) {
     const Ran ran = bake(build() + " --shard " + bad);
