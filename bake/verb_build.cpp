@@ -3,7 +3,6 @@
 
 #include <charconv>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 
 #include "pelage/bake/bake_pipeline.h"
 #include "pelage/bake/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
@@ -101,7 +101,7 @@ void print(const BakeResult& result, const Options& o) {
   if (console::common().json) {
     const nlohmann::ordered_json json = {{"database", o.output},      {"shard", o.shard}, {"records", result.records},
                                          {"resumed", result.resumed}, {"bytes", bytes},   {"seconds", result.seconds}};
-    std::cout << json.dump(2) << '\n';
+    console::print_json(json);
     return;
   }
   fmt::print("{}: {}{} records{}, {:.1f} MB, {:.1f} s\n", o.output, o.shard == "1/1" ? "" : "shard " + o.shard + ", ",

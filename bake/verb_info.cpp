@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "pelage/bake/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/db/database.h"
 
@@ -54,7 +54,7 @@ void print_json(const DatabaseReader& reader, const Contents& c, double mean) {
                                        {"largest_tau", c.largest_tau},
                                        {"feature_mean", reader.feature_scale().mean},
                                        {"feature_inverse_sigma", reader.feature_scale().inv_sigma}};
-  std::cout << json.dump(2) << '\n';
+  console::print_json(json);
 }
 
 void info(const std::string& file) {

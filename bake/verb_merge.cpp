@@ -2,13 +2,13 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "pelage/bake/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/db/database.h"
@@ -34,7 +34,7 @@ void merge(const Options& o) {
   if (console::common().json) {
     const nlohmann::ordered_json json = {
         {"database", o.output}, {"shards", o.shards.size()}, {"records", records}, {"bytes", bytes}};
-    std::cout << json.dump(2) << '\n';
+    console::print_json(json);
     return;
   }
   fmt::print("{}: {} records of {} shards, {:.1f} MB\n", o.output, records, o.shards.size(),

@@ -1,7 +1,6 @@
 // pelage-bake query: one lookup of the SATF, as the runtime makes it, as JSON.
 #include <charconv>
 #include <cmath>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -11,6 +10,7 @@
 
 #include "pelage/bake/direct_source.h"
 #include "pelage/bake/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
@@ -110,7 +110,7 @@ void query(const Options& o) {
     direct.attach(sectors);
     json["direct"] = evaluate(direct, {view, view, light, light}, scale);
   }
-  std::cout << json.dump(2) << '\n';
+  console::print_json(json);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +9,7 @@
 
 #include "pelage/bake/verbs.h"
 #include "pelage/bake/verify.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/coverage.h"
@@ -112,7 +112,7 @@ void verify(const Options& o) {
                         {"uncovered_share", coverage.uncovered()}};
     json["ladder"] = to_json(ladder);
   }
-  if (as_json) std::cout << json.dump(2) << '\n';
+  if (as_json) console::print_json(json);
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "pelage/data_schema/errors.h"
 
@@ -32,20 +34,24 @@ fs::path follow(const fs::path& file) {
   return fs::is_symlink(file, none) ? fs::weakly_canonical(file, none) : file;
 }
 
-/// Hidden, beside the file.
+/// Hidden, beside the file: `.name.<process>-<count>.part`.
+constexpr const char* kTemporaryEnd = ".part";
+std::string temporary_begin(const fs::path& file) {
+  return "." + file.filename().string() + ".";
+}
 fs::path temporary_folder(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
-  const std::string unique = "." + std::to_string(getpid()) + "-" + std::to_string(counter++);
-  return folder_of(file) / ("." + file.filename().string() + unique + ".part");
+  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
+  return folder_of(file) / (temporary_begin(file) + unique + kTemporaryEnd);
 }
 
-/// Waits until the temporary is on the disk. @throws OutputError naming `file`
-void flush(const fs::path& temporary, const fs::path& file) {
-  const int descriptor = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+/// Waits until a file or folder is on the disk. Returns 0 or the error.
+int try_flush(const fs::path& path) noexcept {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool good = descriptor >= 0 && (fsync(descriptor) == 0 || errno == EINVAL);  // EINVAL: nothing to wait for
-  const int error = errno;
+  const int error = good ? 0 : errno;
   if (descriptor >= 0) close(descriptor);
-  if (!good) throw OutputError(file.string(), "cannot write: " + reason(error));
+  return error;
 }
 
 }  // namespace
@@ -65,6 +71,23 @@ void check_writable(const fs::path& file) {
     throw OutputError(file.string(), "is not writable (" + reason(errno) + "): change its permissions or name another");
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw OutputError(file.string(), "its folder is not writable (" + reason(errno) + "): choose another folder");
+}
+
+void remove_stale_temporaries(const fs::path& file) noexcept {
+  try {
+    const fs::path target = follow(file);
+    const std::string begin = temporary_begin(target);
+    std::error_code none;
+    std::vector<fs::path> stale;
+    for (fs::directory_iterator entry(folder_of(target), none), end; !none && entry != end; entry.increment(none)) {
+      const std::string name = entry->path().filename().string();
+      if (!name.starts_with(begin) || !name.ends_with(kTemporaryEnd)) continue;
+      const auto middle = name.substr(begin.size(), name.size() - begin.size() - std::strlen(kTemporaryEnd));
+      if (middle.find_first_not_of("0123456789-") == std::string::npos) stale.push_back(entry->path());
+    }
+    for (const fs::path& folder : stale) fs::remove_all(folder, none);
+  } catch (const std::bad_alloc&) {  // they stay until the next time
+  }
 }
 
 AtomicFile::AtomicFile(const fs::path& file)
@@ -104,10 +127,12 @@ void AtomicFile::write(std::string_view bytes) {
 }
 
 void AtomicFile::commit() {
-  flush(temporary_, file_);  // before the rename: after a power cut the name must not stand for an empty file
+  // Before the rename: after a power cut the name must not stand for an empty file.
+  if (const int failed = try_flush(temporary_)) throw OutputError(file_.string(), "cannot write: " + reason(failed));
   std::error_code error;
   fs::rename(temporary_, file_, error);
   if (error) throw OutputError(file_.string(), "cannot rename the finished file: " + error.message());
+  try_flush(folder_of(file_));
   clear();
 }
 

@@ -10,6 +10,9 @@ namespace pelage {
 /// @throws OutputError (missing folder, is a folder, not a regular file, not writable) with the remedy
 void check_writable(const std::filesystem::path& file);
 
+/// Removes what writers of `file` that were killed left beside it. For a caller who knows that nobody else writes it.
+void remove_stale_temporaries(const std::filesystem::path& file) noexcept;
+
 /// A file written to a temporary and renamed on commit(): readers see the earlier file or the whole new one. The
 /// temporary has a folder of its own beside the file, so that what a library leaves next to it (SQLite's journal after
 /// a failed write) goes with it. Without commit() (an exception, Ctrl-C) the earlier file stays as it was.

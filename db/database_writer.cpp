@@ -89,6 +89,7 @@ DatabaseWriter::DatabaseWriter(std::filesystem::path out, const DatabaseMetadata
   session.run("PRAGMA locking_mode = EXCLUSIVE");
   session.run(
       "PRAGMA page_size = 4096; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE; COMMIT");
+  remove_stale_temporaries(state_->out);  // the lock is ours: they are of bakes that were killed while finishing
   if (session.pragma("schema_version") == 0) format::begin(session, metadata);
   state_->next = state_->committed = resume(session, metadata, range);
   state_->insert = std::make_unique<Statement>(session, "INSERT INTO sector VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");

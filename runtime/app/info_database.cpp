@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pelage/app/database_picture.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/hairstyle.h"
 #include "pelage/data_schema/output_file.h"
@@ -48,7 +49,7 @@ void print(const std::filesystem::path& database, const RecordBank& bank, const 
           {"hairstyle", c.hairstyle}, {"distances", json_of(c.sector_distances)}, {"uncovered_share", uncovered(c)}};
     }
     if (!picture.empty()) json["picture"] = picture.string();
-    fmt::print("{}\n", json.dump(2));
+    console::print_json(json);
     return;
   }
   const auto line = [](const std::string& of, const std::vector<float>& d) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pelage/app/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/hairstyle.h"
@@ -132,7 +133,7 @@ void run(Options o) {
   style.clusters = std::move(fit.clusters);
   save_hairstyle(style, o.output);
   if (console::common().json) {
-    std::cout << to_json(fit.report, style).dump(2) << '\n';
+    console::print_json(to_json(fit.report, style));
   } else {
     print_text(fit.report, style, std::cout);
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pelage/app/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/hair_file.h"
@@ -43,7 +44,7 @@ void print_json(const Options& options, const hair::ReadReport& read, const hair
       {"output_notes", written.notes},
       {"lost", written.lost},
   };
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  console::print_json(json);
 }
 
 void print_text(const Options& options, const hair::ReadReport& read, const hair::WriteReport& written,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pelage/app/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/groom.h"
@@ -29,7 +30,7 @@ void print_result(const Strands& strands, const Options& options) {
                                    {"vertices", strands.vertices.size()},
                                    {"style", options.style},
                                    {"seed", options.settings.seed}};
-    fmt::print("{}\n", result.dump(2));
+    console::print_json(result);
   } else {
     fmt::print("{}\n", options.output.string());
     if (!options.head_output.empty()) fmt::print("{}\n", options.head_output.string());

@@ -11,6 +11,7 @@
 
 #include "pelage/app/info_database.h"
 #include "pelage/app/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/hairstyle.h"
@@ -83,7 +84,7 @@ void info_of_hairstyle(const std::filesystem::path& file) {
                                  {"division", {{"layers", d.layers}, {"sectors", d.sectors}, {"plates", d.plates}}},
                                  {"diameter_m", style.diameter_m},
                                  {"opacity", style.opacity}};
-    fmt::print("{}\n", json.dump(2));
+    console::print_json(json);
     return;
   }
   fmt::print("format              hairstyle \"{}\"{}\n", style.name,

@@ -6,6 +6,7 @@
 #include "pelage/app/prepare.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
+#include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
@@ -30,7 +31,7 @@ void print_stats(const SatfFrame& frame) {
       json["stages"].push_back({{"name", s.name}, {"ms", s.milliseconds}, {"bytes", s.bytes}, {"calls", s.calls}});
     }
     json["searches"] = frame.source().searches();
-    std::printf("%s\n", json.dump(2).c_str());
+    console::print_json(json);
     return;
   }
   std::printf("%-12s %10s %12s %7s\n", "stage", "ms", "KiB", "calls");

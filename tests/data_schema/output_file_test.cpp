@@ -11,6 +11,8 @@ namespace pelage {
 namespace {
 
 using test::message_of;
+using test::TemporaryFolder;
+using test::text_of;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -92,6 +94,21 @@ TEST(OutputFile, FullDiskIsReported) {
   fs::remove(out.temporary());
   fs::create_symlink("/dev/full", out.temporary());
   EXPECT_THAT(message_of<OutputError>([&] { out.write("x"); }), HasSubstr("cannot write: No space left"));
+}
+
+TEST(OutputFile, StaleTemporariesGoAndNothingElse) {
+  const TemporaryFolder folder;
+  for (const char* stale : {".a.hrir.123-0.part", ".a.hrir.9-12.part"}) {
+    std::filesystem::create_directory(folder / stale);
+    std::ofstream(folder / stale / "a.hrir") << "left";
+  }
+  for (const char* other : {".b.hrir.123-0.part", ".a.hrir.mine.part", "a.hrir.123-0.part", ".a.hrir.123-0"})
+    std::filesystem::create_directory(folder / other);
+  folder.write("a.hrir", "kept");
+  remove_stale_temporaries(folder / "a.hrir");
+  EXPECT_EQ(folder.entries(), 5U);
+  EXPECT_EQ(text_of(folder / "a.hrir"), "kept");
+  remove_stale_temporaries(folder / "absent" / "a.hrir");
 }
 
 }  // namespace

@@ -209,6 +209,27 @@ TEST_F(BakeProgram, SameBytesWithoutFmaAndAvx) {
   }
 }
 
+TEST_F(BakeProgram, CleansUpBehindABakeThatWasKilledWhileFinishing) {
+  std::filesystem::create_directory(folder_ / ".x.hrir.12345-0.part");
+  write_bytes(folder_ / ".x.hrir.12345-0.part/x.hrir", "half a database");
+  ASSERT_EQ(bake(build()).code, 0);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);  // x.hrir, bake.json
+}
+
+TEST_F(BakeProgram, TextThatIsNotUtf8DoesNotBreakJson) {
+  DatabaseMetadata m = metadata_of(quick_settings(), 12);
+  m.source = "hairstyle";
+  m.source_name = "bad \xC3\x28 name";
+  {
+    DatabaseWriter writer(folder_ / "x.hrir", m);
+    for (const StoredSector& s : arbitrary_sectors(quick_settings(), 12)) writer.append(s);
+    writer.finish();
+  }
+  const Ran ran = bake("info --json " + path("x.hrir"));
+  EXPECT_EQ(ran.code, 0) << ran.text;
+  EXPECT_THAT(ran.text, HasSubstr("bad \xEF\xBF\xBD( name"));
+}
+
 TEST_F(BakeProgram, RefusesShardsThatThereAreNot) {
   for (const char* bad : {"0/3", "4/3", "1", "1/", "/3", "1/3x", "-1/3", "1/0", "1/200"}) {
     const Ran ran = bake(build() + " --shard " + bad);
