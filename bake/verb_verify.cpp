@@ -51,12 +51,6 @@ Json to_json(const std::vector<LadderRung>& ladder) {
 /// How near the records are to each other, and to the sectors of a hairstyle.
 struct Coverage {
   std::vector<float> spacing, sectors;
-  /// Share of the sectors that lie farther from any record than 95 % of the records from each other.
-  double uncovered() const {
-    const float far = quantile(spacing, 0.95);
-    const auto beyond = std::count_if(sectors.begin(), sectors.end(), [&](float d) { return d > far; });
-    return sectors.empty() ? 0.0 : static_cast<double>(beyond) / static_cast<double>(sectors.size());
-  }
 };
 
 Json to_json(const std::vector<float>& distances) {
@@ -71,7 +65,7 @@ void print_coverage(const Coverage& c, const std::string& hairstyle) {
   line("  of a record", c.spacing);
   line(fmt::format("  of the {} sectors of {}", c.sectors.size(), hairstyle), c.sectors);
   fmt::print("{:.1f} % of these sectors are farther from any record than 95 % of the records from each other.\n",
-             100 * c.uncovered());
+             100 * uncovered_share(c.spacing, c.sectors));
 }
 
 void print_checks(const DatabaseReader& reader, const RetraceResult& retraced, bool good) {
@@ -109,7 +103,7 @@ void verify(const Options& o) {
     json["against"] = o.against;
     json["coverage"] = {{"records", to_json(coverage.spacing)},
                         {"sectors", to_json(coverage.sectors)},
-                        {"uncovered_share", coverage.uncovered()}};
+                        {"uncovered_share", uncovered_share(coverage.spacing, coverage.sectors)}};
     json["ladder"] = to_json(ladder);
   }
   if (as_json) console::print_json(json);

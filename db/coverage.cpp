@@ -58,6 +58,12 @@ std::vector<float> distances_to_records(const RecordBank& bank, std::vector<floa
   return distances;
 }
 
+double uncovered_share(const std::vector<float>& spacing, const std::vector<float>& distances) {
+  const float far = quantile(spacing, 0.95);
+  const auto beyond = std::count_if(distances.begin(), distances.end(), [&](float d) { return d > far; });
+  return distances.empty() ? 0.0 : static_cast<double>(beyond) / static_cast<double>(distances.size());
+}
+
 float quantile(std::vector<float> values, double p) {
   if (values.empty()) return 0;
   const auto at = static_cast<std::ptrdiff_t>(std::lround(p * static_cast<double>(values.size() - 1)));

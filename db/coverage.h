@@ -21,6 +21,9 @@ std::vector<float> used_sector_features(const RecordBank& bank, const SectorSet&
 /// [point] distance of unscaled features to the nearest record.
 std::vector<float> distances_to_records(const RecordBank& bank, std::vector<float> features);
 
+/// Share of `distances` (of sectors) beyond what 95 % of the records are from each other.
+double uncovered_share(const std::vector<float>& spacing, const std::vector<float>& distances);
+
 /// Value below which a share `p` in [0, 1] of `values` lies; 0 without any.
 float quantile(std::vector<float> values, double p);
 

@@ -25,13 +25,6 @@ void compare_with(const std::filesystem::path& hairstyle, const RecordBank& bank
   c.sector_distances = distances_to_records(bank, c.sector_features);
 }
 
-double uncovered(const CoverageShown& c) {
-  const float far = quantile(c.spacing, 0.95);
-  const auto beyond =
-      std::count_if(c.sector_distances.begin(), c.sector_distances.end(), [&](float d) { return d > far; });
-  return static_cast<double>(beyond) / static_cast<double>(std::max<std::size_t>(c.sector_distances.size(), 1));
-}
-
 nlohmann::json json_of(const std::vector<float>& distances) {
   return {{"median", quantile(distances, 0.5)}, {"p95", quantile(distances, 0.95)}, {"max", quantile(distances, 1)}};
 }
@@ -45,8 +38,9 @@ void print(const std::filesystem::path& database, const RecordBank& bank, const 
         {"format", "database"},         {"records", bank.size()},        {"source", m.source},
         {"source_name", m.source_name}, {"spacing", json_of(c.spacing)}, {"thinnest", thin}};
     if (!c.hairstyle.empty()) {
-      json["against"] = {
-          {"hairstyle", c.hairstyle}, {"distances", json_of(c.sector_distances)}, {"uncovered_share", uncovered(c)}};
+      json["against"] = {{"hairstyle", c.hairstyle},
+                         {"distances", json_of(c.sector_distances)},
+                         {"uncovered_share", uncovered_share(c.spacing, c.sector_distances)}};
     }
     if (!picture.empty()) json["picture"] = picture.string();
     console::print_json(json);
@@ -64,7 +58,7 @@ void print(const std::filesystem::path& database, const RecordBank& bank, const 
     line("sector to record", c.sector_distances);
     fmt::print(
         "uncovered           {:.1f} % of the {} sectors of {}: farther from any record than 95 % of the records\n",
-        100 * uncovered(c), c.sector_distances.size(), c.hairstyle);
+        100 * uncovered_share(c.spacing, c.sector_distances), c.sector_distances.size(), c.hairstyle);
   }
   fmt::print("{}\n", picture.empty() ? "picture             -o FILE.png draws records and coverage" : picture.string());
   fmt::print("more                pelage-bake info {} says how it was baked\n", database.string());

@@ -77,6 +77,13 @@ TEST(Coverage, SectorsAreMeasuredToTheirNearestRecordAndEmptyOnesLeftOut) {
   EXPECT_TRUE(distances_to_records(bank, {}).empty());
 }
 
+TEST(Coverage, UncoveredIsBeyondNearlyAllRecords) {
+  std::vector<float> spacing;
+  for (int i = 1; i <= 100; ++i) spacing.push_back(static_cast<float>(i));
+  EXPECT_EQ(uncovered_share(spacing, {1, 95, 96, 1000}), 0.5);
+  EXPECT_EQ(uncovered_share(spacing, {}), 0.0);
+}
+
 TEST(Coverage, Quantiles) {
   EXPECT_EQ(quantile({}, 0.5), 0.0F);
   EXPECT_EQ(quantile({3, 1, 2}, 0), 1.0F);

@@ -6,10 +6,14 @@
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
+
+#include <atomic>
 
 #include "fixtures.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/db/record_bank.h"
 
 namespace pelage {
 namespace {
@@ -280,6 +284,34 @@ TEST(Database, ANaNInAHalfBlobIsRefused) {
   alter(folder / "x", "UPDATE sector SET re = CAST(x'007E' || substr(re, 3) AS BLOB) WHERE id = 1");
   EXPECT_THAT(message_of<InputError>([&] { read_all(folder / "x"); }),
               HasSubstr("sector 1: a half is negative or not finite"));
+}
+
+TEST(Database, DamageIsNamedTheSameForAnyNumberOfThreads) {
+  const Folder folder;
+  BakeSettings settings = small_settings();
+  settings.sectors = 90;
+  write_database(folder / "x", settings, arbitrary_sectors(settings, 90));
+  alter(folder / "x", "UPDATE sector SET tau_scale = tau_scale * 2 WHERE id IN (37, 80)");
+  for (const std::size_t threads : {1U, 2U, 3U, 8U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    EXPECT_THAT(message_of<InputError>([&] { RecordBank(folder / "x"); }), HasSubstr("sector 37: does not match"));
+  }
+}
+
+TEST(Database, ReadsTheSameConcurrently) {
+  const Folder folder;
+  BakeSettings settings = small_settings();
+  settings.sectors = 90;
+  const auto sectors = arbitrary_sectors(settings, 90);
+  write_database(folder / "x", settings, sectors);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
+  std::vector<std::atomic<int>> seen(90);
+  DatabaseReader(folder / "x").for_each_concurrently([&](std::uint64_t id, const SectorView& s) {
+    ++seen[id];
+    EXPECT_EQ(copy_of(s).re.bytes, sectors[id].re.bytes);
+    EXPECT_EQ(copy_of(s).features, sectors[id].features);
+  });
+  for (const auto& times : seen) EXPECT_EQ(times, 1);
 }
 
 TEST(Database, RefusesFilesThatAreNone) {
