@@ -1,5 +1,6 @@
 #include "pelage/data_schema/output_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,12 +8,11 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "pelage/data_schema/errors.h"
 
@@ -35,14 +35,29 @@ fs::path follow(const fs::path& file) {
 }
 
 /// Hidden, beside the file: `.name.<process>-<count>.part`.
-constexpr const char* kTemporaryEnd = ".part";
+constexpr std::string_view kTemporaryEnd = ".part";
 std::string temporary_begin(const fs::path& file) {
   return "." + file.filename().string() + ".";
 }
 fs::path temporary_folder(const fs::path& file) {
   static std::atomic<unsigned> counter{0};
   const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
-  return folder_of(file) / (temporary_begin(file) + unique + kTemporaryEnd);
+  return folder_of(file) / (temporary_begin(file) + unique + std::string(kTemporaryEnd));
+}
+
+struct CloseFolder {
+  void operator()(DIR* folder) const noexcept { closedir(folder); }
+};
+using Folder = std::unique_ptr<DIR, CloseFolder>;
+
+/// A folder that holds files only, with them; `name` relative to the folder `at`. Allocates nothing of its own
+/// (std::filesystem ends the program when it runs out of memory inside a folder).
+void remove_folder(int at, const char* name) noexcept {
+  const int descriptor = openat(at, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  const Folder folder(descriptor < 0 ? nullptr : fdopendir(descriptor));
+  if (!folder && descriptor >= 0) close(descriptor);
+  while (const dirent* const entry = folder ? readdir(folder.get()) : nullptr) unlinkat(descriptor, entry->d_name, 0);
+  unlinkat(at, name, AT_REMOVEDIR);
 }
 
 /// Waits until a file or folder is on the disk. Returns 0 or the error.
@@ -77,15 +92,15 @@ void remove_stale_temporaries(const fs::path& file) noexcept {
   try {
     const fs::path target = follow(file);
     const std::string begin = temporary_begin(target);
-    std::error_code none;
-    std::vector<fs::path> stale;
-    for (fs::directory_iterator entry(folder_of(target), none), end; !none && entry != end; entry.increment(none)) {
-      const std::string name = entry->path().filename().string();
+    const Folder folder(opendir(folder_of(target).c_str()));
+    while (const dirent* const entry = folder ? readdir(folder.get()) : nullptr) {
+      const std::string_view name = entry->d_name;
       if (!name.starts_with(begin) || !name.ends_with(kTemporaryEnd)) continue;
-      const auto middle = name.substr(begin.size(), name.size() - begin.size() - std::strlen(kTemporaryEnd));
-      if (middle.find_first_not_of("0123456789-") == std::string::npos) stale.push_back(entry->path());
+      const auto middle = name.substr(begin.size(), name.size() - begin.size() - kTemporaryEnd.size());
+      if (middle.find_first_not_of("0123456789-") == std::string_view::npos) {
+        remove_folder(dirfd(folder.get()), entry->d_name);
+      }
     }
-    for (const fs::path& folder : stale) fs::remove_all(folder, none);
   } catch (const std::bad_alloc&) {  // they stay until the next time
   }
 }
@@ -108,15 +123,11 @@ AtomicFile::~AtomicFile() {
   clear();
 }
 
-/// Where only our own file is in the folder, without allocating: out of memory leaves nothing behind either.
+/// The file, and what SQLite may have left beside it.
 void AtomicFile::clear() noexcept {
   unlink(temporary_.c_str());
   if (rmdir(folder_.c_str()) == 0 || errno == ENOENT) return;
-  try {
-    std::error_code none;
-    fs::remove_all(folder_, none);
-  } catch (const std::bad_alloc&) {
-  }
+  remove_folder(AT_FDCWD, folder_.c_str());
 }
 
 void AtomicFile::write(std::string_view bytes) {
