@@ -105,6 +105,15 @@ void bake_rows(const PlanarTracer& tracer, const Choice& crossings, RowRange ran
                              tbb::make_filter<Row, void>(tbb::filter_mode::serial_in_order, store));
 }
 
+/// @throws InputError for rows that were begun for another number of records
+RowRange rows_of(const Part& part, std::uint64_t records) {
+  if (const auto* shard = std::get_if<Shard>(&part)) return shard_of(records, shard->index, shard->count);
+  const RowRange range = std::get<RowRange>(part);
+  if (range.first < range.end && range.end <= records) return range;
+  throw InputError("records " + std::to_string(range.first) + " to " + std::to_string(range.end - 1),
+                   "were begun, but there are only " + std::to_string(records) + " now: bake with the same settings");
+}
+
 }  // namespace
 
 std::string hairstyle_hash(const Hairstyle& style) {
@@ -124,7 +133,7 @@ std::string hairstyle_hash(const Hairstyle& style) {
 }
 
 BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& out,
-                         const std::function<void(std::uint64_t, std::uint64_t)>& progress, Shard shard) {
+                         const std::function<void(std::uint64_t, std::uint64_t)>& progress, const Part& part) {
   const auto start = std::chrono::steady_clock::now();
   record_shape(settings);  // refuses before the work starts
   const Plan plan = style == nullptr ? plan_random(settings) : plan_adapted(settings, *style);
@@ -134,9 +143,9 @@ BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, c
     metadata.source_name = style->name;
     metadata.source_hash = hairstyle_hash(*style);
   }
-  const RowRange range = shard_of(plan.sectors, shard.index, shard.count);
+  const RowRange range = rows_of(part, plan.sectors);
   DatabaseWriter writer(out, metadata, range);
-  BakeResult result{range.size(), writer.next_row() - range.first, 0};
+  BakeResult result{range.size(), plan.sectors, range, writer.next_row() - range.first, 0};
   bake_rows(PlanarTracer(settings), plan.crossings, range, writer, progress);
   writer.finish();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -7,14 +7,18 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/hairstyle.h"
+#include "pelage/db/database.h"
 
 namespace pelage {
 
 struct BakeResult {
   std::uint64_t records = 0;  // in the database or shard
+  std::uint64_t of = 0;       // in all shards
+  RowRange rows;              // of the database or shard
   std::uint64_t resumed = 0;  // of them, found in a partial file
   double seconds = 0;
 };
@@ -26,6 +30,8 @@ std::string hairstyle_hash(const Hairstyle& style);
 struct Shard {
   int index = 1, count = 1;
 };
+/// The records of a bake to make: a shard's, or those that an interrupted bake had begun (DatabaseReader::planned).
+using Part = std::variant<Shard, RowRange>;
 
 /// @param style     null: random sectors, else representatives of this hairstyle's non-empty ones
 /// @param out       replaced when all is done; until then rows lie in `<out>.partial`, which the next call resumes
@@ -33,6 +39,6 @@ struct Shard {
 /// @throws InputError, OutputError [db/database.h]; UsageError for a shard that there is not
 BakeResult bake_database(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& out,
                          const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
-                         Shard shard = {});
+                         const Part& part = Shard{});
 
 }  // namespace pelage

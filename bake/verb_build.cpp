@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pelage/bake/bake_pipeline.h"
 #include "pelage/bake/verbs.h"
@@ -26,15 +27,22 @@ const std::map<std::string, FeatureSet> kFeatureSets{
     {"paper3", FeatureSet::paper3}, {"moments5", FeatureSet::moments5}, {"profile11", FeatureSet::profile11}};
 const std::map<std::string, Storage> kStorages{{"u8", Storage::u8}, {"half", Storage::half}};
 
+template <class Value>
+std::vector<std::string> names_of(const std::map<std::string, Value>& values) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values) names.push_back(name);
+  return names;
+}
+
 enum class Resume { when_there, must, never };
 
 struct Options {
-  std::string from, settings, output, shard = "1/1";
+  std::string from, settings, output;
+  std::optional<std::string> shard;
   Resume resume = Resume::when_there;
   std::optional<int> sectors;
   std::optional<std::uint64_t> seed;
-  std::optional<FeatureSet> features;
-  std::optional<Storage> storage;
+  std::optional<std::string> features, storage;
 };
 
 /// "2/5".
@@ -50,8 +58,12 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-/// The settings of the interrupted bake, for --resume.
-BakeSettings settings_to_resume(const Options& o) {
+/// What the interrupted bake was begun with, for --resume.
+struct Begun {
+  BakeSettings settings;
+  RowRange rows;
+};
+Begun begun(const Options& o) {
   const auto partial = partial_of(o.output);
   if (!std::filesystem::exists(partial)) {
     throw InputError(partial.string(), "there is no interrupted bake to resume: leave --resume out to begin one");
@@ -61,27 +73,36 @@ BakeSettings settings_to_resume(const Options& o) {
   if (m.source == "hairstyle" && o.from.empty()) {
     throw UsageError(partial.string() + " is baked from hairstyle '" + m.source_name + "': give it again with --from");
   }
-  return m.settings;
+  return {m.settings, reader.planned()};
 }
 
-/// The settings file's values, or the interrupted bake's, or the defaults, with the options on top.
-BakeSettings resolve(const Options& o) {
+/// What to bake: the interrupted bake's settings and rows, or the defaults; the settings file and the options on top.
+struct Task {
   BakeSettings settings;
-  if (o.resume == Resume::must) settings = settings_to_resume(o);
+  Part part = Shard{};
+};
+Task resolve(const Options& o) {
+  Task task;
+  BakeSettings& settings = task.settings;
+  if (o.resume == Resume::must) {
+    const Begun before = begun(o);
+    task = {before.settings, before.rows};
+  }
   if (!o.settings.empty()) settings = load_bake_settings(o.settings);
   settings.sectors = o.sectors.value_or(settings.sectors);
   settings.seed = o.seed.value_or(settings.seed);
-  settings.features = o.features.value_or(settings.features);
-  settings.storage = o.storage.value_or(settings.storage);
-  return settings;
+  if (o.features) settings.features = kFeatureSets.at(*o.features);
+  if (o.storage) settings.storage = kStorages.at(*o.storage);
+  if (o.shard) task.part = parse_shard(*o.shard);
+  return task;
 }
 
-BakeResult bake(const BakeSettings& settings, const Hairstyle* style, const Options& o, Shard shard) {
+BakeResult bake(const Task& task, const Hairstyle* style, const Options& o) {
   std::unique_ptr<console::Progress> progress;
   std::uint64_t done = 0, total = 0;
   try {
     return bake_database(
-        settings, style, o.output,
+        task.settings, style, o.output,
         [&](std::uint64_t d, std::uint64_t t) {
           done = d;
           total = t;
@@ -89,7 +110,7 @@ BakeResult bake(const BakeSettings& settings, const Hairstyle* style, const Opti
           if (!progress) progress = std::make_unique<console::Progress>("baking", total, "sectors");
           progress->update(done);
         },
-        shard);
+        task.part);
   } catch (const Interrupted&) {
     throw Interrupted(fmt::format("interrupted: {} of {} records are kept in {}; the same command goes on from there",
                                   done, total, partial_of(o.output).string()));
@@ -99,25 +120,31 @@ BakeResult bake(const BakeSettings& settings, const Hairstyle* style, const Opti
 void print(const BakeResult& result, const Options& o) {
   const auto bytes = std::filesystem::file_size(o.output);
   if (console::common().json) {
-    const nlohmann::ordered_json json = {{"database", o.output},      {"shard", o.shard}, {"records", result.records},
-                                         {"resumed", result.resumed}, {"bytes", bytes},   {"seconds", result.seconds}};
+    const nlohmann::ordered_json json = {{"database", o.output},
+                                         {"first_record", result.rows.first},
+                                         {"records", result.records},
+                                         {"resumed", result.resumed},
+                                         {"bytes", bytes},
+                                         {"seconds", result.seconds}};
     console::print_json(json);
     return;
   }
-  fmt::print("{}: {}{} records{}, {:.1f} MB, {:.1f} s\n", o.output, o.shard == "1/1" ? "" : "shard " + o.shard + ", ",
-             result.records,
-             result.resumed > 0 ? fmt::format(" ({} of them from the interrupted bake)", result.resumed) : "",
-             static_cast<double>(bytes) / 1e6, result.seconds);
+  fmt::print(
+      "{}: {}{} records{}, {:.1f} MB, {:.1f} s\n", o.output,
+      result.records == result.of ? ""
+                                  : fmt::format("shard of records {} to {}, ", result.rows.first, result.rows.end - 1),
+      result.records, result.resumed > 0 ? fmt::format(" ({} of them from the interrupted bake)", result.resumed) : "",
+      static_cast<double>(bytes) / 1e6, result.seconds);
 }
 
 void build(const Options& o) {
-  const Shard shard = parse_shard(o.shard);
+  if (o.shard) parse_shard(*o.shard);  // a mistake shows before anything is touched
   check_writable(o.output);
   if (o.resume == Resume::never) discard_partial(o.output);
-  const BakeSettings settings = resolve(o);
+  const Task task = resolve(o);
   std::optional<Hairstyle> style;
   if (!o.from.empty()) style = load_hairstyle(o.from);
-  print(bake(settings, style ? &*style : nullptr, o, shard), o);
+  print(bake(task, style ? &*style : nullptr, o), o);
 }
 
 }  // namespace
@@ -131,14 +158,15 @@ void add_build(CLI::App& app) {
   verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)")
       ->check(console::finite(0, static_cast<double>(kLargestSeed)));
   verb->add_option("--features", o->features, "what the search compares (default profile11)")
-      ->transform(CLI::CheckedTransformer(kFeatureSets));
+      ->check(CLI::IsMember(names_of(kFeatureSets)));
   verb->add_option("--storage", o->storage, "of a value: 8 bits or IEEE half (default u8)")
-      ->transform(CLI::CheckedTransformer(kStorages));
+      ->check(CLI::IsMember(names_of(kStorages)));
   verb->add_option("--shard", o->shard,
                    "i/n: bake only the i-th of n parts of the records; `merge` puts them together");
   auto* must = verb->add_flag_callback(
       "--resume", [o] { o->resume = Resume::must; },
-      "go on with the interrupted bake of this output, with its settings; an error when there is none (without this "
+      "go on with the interrupted bake of this output, with its settings and shard; an error when there is none "
+      "(without this "
       "option it is resumed where there is one)");
   verb->add_flag_callback(
           "--no-resume", [o] { o->resume = Resume::never; }, "begin anew; an interrupted bake's records are deleted")

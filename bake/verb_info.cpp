@@ -44,6 +44,7 @@ void print_json(const DatabaseReader& reader, const Contents& c, double mean) {
                                        {"records", m.sectors},
                                        {"first_record", reader.rows().first},
                                        {"records_here", reader.rows().size()},
+                                       {"records_planned", reader.planned().size()},
                                        {"bytes", std::filesystem::file_size(reader.file())},
                                        {"source", m.source},
                                        {"source_name", m.source_name},
@@ -68,8 +69,9 @@ void info(const std::string& file) {
   fmt::print("{}: {} records of {} views x {} lights x {} samples, {:.1f} MB\n", file, rows.size(), shape.views,
              shape.lights, shape.samples, static_cast<double>(std::filesystem::file_size(file)) / 1e6);
   if (reader.feature_scale().mean.empty()) {
-    fmt::print("unfinished: records {} to {} of {}; an interrupted bake, or a shard to be merged\n", rows.first,
-               static_cast<std::int64_t>(rows.end) - 1, m.sectors);
+    const auto text = [](RowRange r) { return r.size() == 0 ? "none" : fmt::format("{} to {}", r.first, r.end - 1); };
+    fmt::print("{}: records {} of {}\n", rows == reader.planned() ? "shard" : "unfinished", text(rows),
+               rows == reader.planned() ? fmt::format("{}", m.sectors) : text(reader.planned()));
   }
   fmt::print("source: {}\n", m.source == "random"
                                  ? std::string("random sectors, seed ") + std::to_string(m.settings.seed)

@@ -121,8 +121,9 @@ void add_query(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   verb->add_option("database", o->database, "HRIR database")->required();
   verb->add_option("--record", o->record, "look up the strands of this record");
-  verb->add_option("--strands", o->crossings, "look up these strands: pairs s r, sector coordinates, inside [0, 1]")
-      ->check(console::finite(-kSectorMargin, 1 + kSectorMargin));
+  verb->add_option("--strands", o->crossings,
+                   "look up these strands: pairs s r, sector coordinates, from -0.35 to 1.35 (the sector is 0 to 1)")
+      ->check(console::finite(-0.35, 1.35));
   verb->add_option("--view", o->view_deg, "view angle in the plate plane, degrees from outward r towards +s")
       ->check(console::finite(-3600, 3600));
   verb->add_option("--light", o->light_deg, "light angle, the same way")->check(console::finite(-3600, 3600));

@@ -10,6 +10,7 @@
 #include "pelage/bake/verbs.h"
 #include "pelage/bake/verify.h"
 #include "pelage/console/json_output.h"
+#include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/coverage.h"
@@ -115,7 +116,8 @@ void add_verify(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("verify", "Checks a database against itself, direct tracing and a hairstyle");
   const auto o = std::make_shared<Options>();
   verb->add_option("database", o->database, "HRIR database or shard")->required();
-  verb->add_option("--retrace", o->retraced, "records to trace again and compare; exit code 3 when they differ");
+  verb->add_option("--retrace", o->retraced, "records to trace again and compare; exit code 3 when they differ")
+      ->check(console::finite(0, 1e6));
   verb->add_option("--against", o->against,
                    "hairstyle file: how well its sectors are covered, and the error of each rung of the accuracy "
                    "ladder on them");

@@ -12,6 +12,8 @@ CREATE TABLE metadata (
   source_name    TEXT NOT NULL CHECK (length(source_name) <= 1000),
   source_hash    TEXT NOT NULL CHECK (length(source_hash) <= 64),
   sectors        INTEGER NOT NULL CHECK (sectors BETWEEN 1 AND 1000000),
+  first_row      INTEGER NOT NULL CHECK (first_row >= 0),
+  end_row        INTEGER NOT NULL CHECK (end_row > first_row AND end_row <= sectors),
   feature_scales BLOB CHECK (length(feature_scales) BETWEEN 16 AND 4096),
   checksum       INTEGER NOT NULL
 ) STRICT;

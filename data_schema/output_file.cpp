@@ -28,10 +28,17 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// The file that a chain of symbolic links ends at, so that renaming replaces that and not the link.
+/// The file that a chain of symbolic links ends at, there or not, so that renaming makes that and does not replace the
+/// link. @throws OutputError where the chain has no end
 fs::path follow(const fs::path& file) {
   std::error_code none;
-  return fs::is_symlink(file, none) ? fs::weakly_canonical(file, none) : file;
+  fs::path target = file;
+  for (int links = 0; fs::is_symlink(target, none); ++links) {
+    if (links == 40) throw OutputError(file.string(), "is a link that leads to itself: name another file");
+    const fs::path next = fs::read_symlink(target, none);
+    target = next.is_absolute() ? next : folder_of(target) / next;
+  }
+  return target;
 }
 
 /// Hidden, beside the file: `.name.<process>-<count>.part`.
@@ -101,7 +108,7 @@ void remove_stale_temporaries(const fs::path& file) noexcept {
         remove_folder(dirfd(folder.get()), entry->d_name);
       }
     }
-  } catch (const std::bad_alloc&) {  // they stay until the next time
+  } catch (const std::exception&) {  // out of memory, or a link to itself: they stay until the next time
   }
 }
 

@@ -6,7 +6,8 @@
 // A shard is the same file with the rows of one range and no feature scales; merge_shards() puts shards together, to
 // the same bytes as one bake of all.
 // Reading: read-only, hardened; statements of the file must equal hrir.sql; application_id, version, lengths, ranges,
-// finiteness, row count and checksums are verified, so a damaged file is refused or reads the same.
+// finiteness, row count, checksums and feature scales are verified, so a damaged file is refused or reads the same. The
+// file is mapped: one that is cut off by somebody else while it is read raises SIGBUS (console/program.h says so).
 #pragma once
 
 #include <cstdint>
@@ -70,8 +71,9 @@ RowRange shard_of(std::uint64_t rows, int shard, int shards);
 
 class DatabaseWriter {
  public:
-  /// Opens `<out>.partial`, new or to resume. @throws InputError when it was begun with other metadata (names what
-  /// differs) or is no partial database; OutputError when it cannot be written or another bake writes it.
+  /// Opens `<out>.partial`, new or to resume. @throws InputError when it was begun with other metadata or for other
+  /// rows (names what differs) or is no partial database; OutputError when it cannot be written or another bake writes
+  /// it.
   DatabaseWriter(std::filesystem::path out, const DatabaseMetadata& metadata)
       : DatabaseWriter(std::move(out), metadata, {0, metadata.sectors}) {}
   /// A shard: only the rows of `range`.
@@ -95,7 +97,8 @@ class DatabaseWriter {
 /// The partial file of `out`.
 std::filesystem::path partial_of(const std::filesystem::path& out);
 
-/// Deletes it, with the rows of the interrupted bake. @throws OutputError when a bake is writing it
+/// Deletes it, with the rows of the interrupted bake. @throws OutputError when a bake is writing it, InputError when it
+/// is no bake
 void discard_partial(const std::filesystem::path& out);
 
 enum class Accept { finished, unfinished };
@@ -113,7 +116,8 @@ class DatabaseReader {
   const DatabaseMetadata& metadata() const noexcept { return metadata_; }
   const FeatureScale& feature_scale() const noexcept { return feature_scale_; }  ///< empty when unfinished
   const RecordShape& shape() const noexcept { return shape_; }
-  RowRange rows() const noexcept { return rows_; }  ///< all, unless unfinished
+  RowRange rows() const noexcept { return rows_; }        ///< that are there: all, unless unfinished
+  RowRange planned() const noexcept { return planned_; }  ///< that the file is for: all, or a shard's
 
   using Visit = std::function<void(std::uint64_t id, const SectorView&)>;
   /// Every row in order, verified, after SQLite's quick_check. @throws InputError naming the row
@@ -123,13 +127,16 @@ class DatabaseReader {
   void for_each_concurrently(const Visit& visit) const;
 
  private:
+  void check_scales(const std::vector<float>& features) const;
+  std::vector<float> room_for_features() const;
+
   struct Connection;
   std::filesystem::path file_;
   std::unique_ptr<Connection> connection_;
   DatabaseMetadata metadata_;
   FeatureScale feature_scale_;
   RecordShape shape_;
-  RowRange rows_;
+  RowRange rows_, planned_;
 };
 
 /// Puts shards together, in any order of `shards`, to the file that one bake of all rows would have written.

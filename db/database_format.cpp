@@ -77,23 +77,27 @@ std::string schema_text(const Session& session) {
 }
 
 std::string schema_of_this_build() {
-  const Session memory(":memory:", SQLITE_OPEN_READWRITE, Blame::output);
+  const Session memory(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, Blame::output);
   memory.run(embedded::hrir_sql);
   return schema_text(memory);
 }
 
-std::uint64_t checksum(const DatabaseMetadata& m, const std::vector<double>& scales) {
+std::uint64_t checksum(const Stored& stored) {
+  const DatabaseMetadata& m = stored.metadata;
   Checksum sum;
   for (const std::string& text : {to_json(m.settings), m.revision, m.source, m.source_name, m.source_hash}) {
     sum.add(text.data(), text.size());
   }
-  sum.add(&m.sectors, sizeof m.sectors);
-  sum.add(scales.data(), scales.size() * sizeof(double));
+  for (const std::uint64_t number : {m.sectors, stored.planned.first, stored.planned.end}) {
+    sum.add(&number, sizeof number);
+  }
+  sum.add(stored.scales.data(), stored.scales.size() * sizeof(double));
   return sum.value();
 }
 
-bool all_finite(std::span<const float> values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+/// Densities of as many strands as a row can list stay below; NaN fails too.
+bool all_features(std::span<const float> values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::abs(v) <= 1e6F; });
 }
 
 bool all_in_reach(std::span<const glm::vec2> crossings) {
@@ -111,15 +115,15 @@ bool holds_halves(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-void begin(const Session& session, const DatabaseMetadata& m) {
+void begin(const Session& session, const DatabaseMetadata& m, RowRange planned) {
   session.run("BEGIN IMMEDIATE;" + std::string(embedded::hrir_sql));
-  Statement insert(session, "INSERT INTO metadata VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, NULL, ?7)");
+  Statement insert(session, "INSERT INTO metadata VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, NULL, ?9)");
   int i = 0;
   for (const std::string& text : {to_json(m.settings), m.revision, m.source, m.source_name, m.source_hash}) {
     insert.bind(++i, text);
   }
-  insert.bind(6, as_sqlite(m.sectors));
-  insert.bind(7, as_sqlite(checksum(m, {})));
+  for (const std::uint64_t number : {m.sectors, planned.first, planned.end}) insert.bind(++i, as_sqlite(number));
+  insert.bind(++i, as_sqlite(checksum({m, planned, {}})));
   insert.execute();
   session.run("COMMIT");
 }
@@ -143,36 +147,51 @@ void check_kind(const Session& session) {
   }
 }
 
-DatabaseMetadata read_metadata(const Session& session, std::vector<double>& scales) {
+bool is_bake_or_empty(const Session& session) {
+  return session.pragma("application_id") == kApplicationId || session.pragma("schema_version") == 0;
+}
+
+Stored read_metadata(const Session& session) {
   const std::string where = session.file().string();
   Statement row(session,
-                "SELECT settings, revision, source, source_name, source_hash, sectors, feature_scales, checksum "
-                "FROM metadata WHERE id = 1");
+                "SELECT settings, revision, source, source_name, source_hash, sectors, first_row, end_row, "
+                "feature_scales, checksum FROM metadata WHERE id = 1");
   if (!row.step()) throw InputError(where, "no metadata: bake it again");
-  DatabaseMetadata m;
+  Stored stored;
+  DatabaseMetadata& m = stored.metadata;
   m.settings = bake_settings_from_json(row.text(0), where + " (settings)");
   m.revision = row.text(1);
   m.source = row.text(2);
   m.source_name = row.text(3);
   m.source_hash = row.text(4);
   m.sectors = static_cast<std::uint64_t>(row.integer(5));
+  stored.planned = {static_cast<std::uint64_t>(row.integer(6)), static_cast<std::uint64_t>(row.integer(7))};
   if (m.sectors < 1 || m.sectors > static_cast<std::uint64_t>(m.settings.sectors)) {
     throw InputError(where, "metadata says " + std::to_string(m.sectors) + " sectors, the settings " +
                                 std::to_string(m.settings.sectors) + ": bake it again");
   }
-  assign(scales, row.bytes(6));
-  if (row.integer(7) != as_sqlite(checksum(m, scales))) {
+  assign(stored.scales, row.bytes(8));
+  if (row.integer(9) != as_sqlite(checksum(stored))) {
     throw InputError(where, "metadata does not match its checksum: the file is damaged, bake it again");
   }
-  return m;
+  if (stored.planned.first >= stored.planned.end || stored.planned.end > m.sectors) {
+    throw InputError(where, "is for rows " + text(stored.planned) + " of " + std::to_string(m.sectors) +
+                                ", which there are not: bake it again");
+  }
+  return stored;
 }
 
-void write_scales(const Session& session, const DatabaseMetadata& m, const FeatureScale& scale) {
+std::vector<double> as_stored(const FeatureScale& scale) {
   std::vector<double> scales = scale.mean;
   scales.insert(scales.end(), scale.inv_sigma.begin(), scale.inv_sigma.end());
+  return scales;
+}
+
+void write_scales(const Session& session, Stored stored, const FeatureScale& scale) {
+  stored.scales = as_stored(scale);
   Statement update(session, "UPDATE metadata SET feature_scales = ?1, checksum = ?2 WHERE id = 1");
-  update.bind(1, scales.data(), scales.size() * sizeof(double));
-  update.bind(2, as_sqlite(checksum(m, scales)));
+  update.bind(1, stored.scales.data(), stored.scales.size() * sizeof(double));
+  update.bind(2, as_sqlite(checksum(stored)));
   update.execute();
 }
 
@@ -209,14 +228,16 @@ std::string difference(const DatabaseMetadata& a, const std::string& name_a, con
   return {};
 }
 
-RowRange rows_of(const Session& session, const DatabaseMetadata& m) {
+RowRange rows_of(const Session& session, RowRange planned) {
   Statement row(session,
-                "SELECT (SELECT coalesce(min(id), 0) FROM sector), (SELECT coalesce(max(id) + 1, 0) FROM sector)");
+                "SELECT (SELECT min(id) FROM sector), (SELECT max(id) FROM sector), EXISTS (SELECT 1 FROM sector)");
   row.step();
-  const RowRange range{static_cast<std::uint64_t>(row.integer(0)), static_cast<std::uint64_t>(row.integer(1))};
-  if (range.first > range.end || range.end > m.sectors) {
-    throw InputError(session.file().string(), "row " + std::to_string(row.integer(1) - 1) + " is beyond its " +
-                                                  std::to_string(m.sectors) + " records: bake it again");
+  if (row.integer(2) == 0) return {planned.first, planned.first};
+  const RowRange range{static_cast<std::uint64_t>(row.integer(0)), static_cast<std::uint64_t>(row.integer(1)) + 1};
+  if (range.first != planned.first || range.end > planned.end) {
+    throw InputError(session.file().string(), "holds rows " + std::to_string(row.integer(0)) + " to " +
+                                                  std::to_string(row.integer(1)) + ", but is for rows " +
+                                                  text(planned) + ": bake it again");
   }
   return range;
 }
@@ -228,7 +249,7 @@ std::string fault(const SectorView& s, const RecordShape& shape, const BakeSetti
   if (static_cast<int>(s.features.size()) != features) {
     return std::to_string(s.features.size()) + " features, expected " + std::to_string(features);
   }
-  if (!all_finite(s.features)) return "a feature is not finite";
+  if (!all_features(s.features)) return "a feature is not a number within 1e6";
   if (!all_in_reach(s.crossings)) return "a strand lies outside the sector's margin, or is not finite";
   if (s.tau.bytes.size() != shape.tau_size() * unit) {
     return "tau holds " + std::to_string(s.tau.bytes.size()) + " bytes, expected " +

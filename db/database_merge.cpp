@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <system_error>
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/database_format.h"
@@ -22,27 +23,27 @@ std::vector<Shard> open_shards(const std::vector<std::filesystem::path>& files) 
   return shards;
 }
 
-std::string text(RowRange rows) {
-  return std::to_string(rows.first) + " to " + std::to_string(rows.end - 1);
-}
-
 /// Sorted by row, without gap or overlap.
 void put_in_order(std::vector<Shard>& shards) {
   std::sort(shards.begin(), shards.end(),
             [](const Shard& a, const Shard& b) { return a->rows().first < b->rows().first; });
   std::uint64_t next = 0;
   const auto refuse_gap = [&](std::uint64_t end) {
-    throw InputError(shards.front()->file().string(), "the records " + text({next, end}) +
+    throw InputError(shards.front()->file().string(), "the records " + format::text({next, end}) +
                                                           " are in none of the shards: bake them, or complete the "
                                                           "shard that should hold them, and name all shards");
   };
   for (std::size_t i = 0; i < shards.size(); ++i) {
     const RowRange rows = shards[i]->rows();
-    if (rows.size() == 0) throw InputError(shards[i]->file().string(), "holds no records: complete its bake first");
+    if (rows != shards[i]->planned()) {
+      throw InputError(shards[i]->file().string(), "is unfinished: it holds the records " + format::text(rows) +
+                                                       " of " + format::text(shards[i]->planned()) +
+                                                       ": complete its bake first");
+    }
     if (rows.first < next) {
-      throw InputError(shards[i]->file().string(), "the records " + text({rows.first, std::min(rows.end, next)}) +
-                                                       " are also in " + shards[i - 1]->file().string() +
-                                                       ": name each shard once");
+      throw InputError(shards[i]->file().string(),
+                       "the records " + format::text({rows.first, std::min(rows.end, next)}) + " are also in " +
+                           shards[i - 1]->file().string() + ": name each shard once");
     }
     if (rows.first > next) refuse_gap(rows.first);
     next = rows.end;
@@ -55,6 +56,12 @@ void put_in_order(std::vector<Shard>& shards) {
 void merge_shards(const std::vector<std::filesystem::path>& files, const std::filesystem::path& out,
                   const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   if (files.empty()) throw UsageError("no shard to merge: name at least one");
+  for (const auto& file : files) {
+    std::error_code none;
+    if (std::filesystem::equivalent(file, out, none)) {
+      throw UsageError(out.string() + ": is one of the shards, which stay as they are: name another output");
+    }
+  }
   std::vector<Shard> shards = open_shards(files);
   put_in_order(shards);
   const DatabaseMetadata& metadata = shards.front()->metadata();

@@ -1,4 +1,6 @@
-#include <system_error>
+#include <unistd.h>
+
+#include <new>
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
@@ -13,25 +15,24 @@ using sqlite::Statement;
 constexpr std::uint64_t kRowsPerTransaction = 64;  // 34 KB rows: 2 MB, past the knee of PROTOTYPES section F
 
 /// Rows of the partial file, which continue the range's beginning.
-std::uint64_t resume(const Session& session, const DatabaseMetadata& metadata, RowRange range) {
+std::uint64_t resume(const Session& session, const format::Stored& ours) {
   format::check_kind(session);
-  std::vector<double> scales;
-  const auto differs = format::difference(format::read_metadata(session, scales), "in the file", metadata, "now");
+  const format::Stored theirs = format::read_metadata(session);
+  std::string differs = format::difference(theirs.metadata, "in the file", ours.metadata, "now");
+  if (differs.empty() && theirs.planned != ours.planned) {
+    differs = "the part of the " + std::to_string(ours.metadata.sectors) + " records is " +
+              format::text(theirs.planned) + " in the file, " + format::text(ours.planned) + " now (--shard)";
+  }
   if (!differs.empty()) {
     throw InputError(session.file().string(), "an unfinished bake, begun with other settings: " + differs +
-                                                  "; use the same, delete it (--no-resume), or choose another output");
+                                                  "; use the same (--resume does), delete it (--no-resume), or choose "
+                                                  "another output");
   }
-  const RowRange rows = format::rows_of(session, metadata);
-  if (rows.size() == 0) return range.first;
+  const RowRange rows = format::rows_of(session, ours.planned);
   Statement count(session, "SELECT count(*) FROM sector");
   count.step();
   if (count.integer(0) != format::as_sqlite(rows.size())) {
     throw InputError(session.file().string(), "rows are missing: delete it and bake again");
-  }
-  if (rows.first != range.first || rows.end > range.end) {
-    throw InputError(session.file().string(), "an unfinished bake of another shard (rows " +
-                                                  std::to_string(rows.first) + " to " + std::to_string(rows.end - 1) +
-                                                  "); use the same, delete it, or choose another output");
   }
   return rows.end;
 }
@@ -46,11 +47,31 @@ FeatureScale fit_scale_of_rows(const Session& session, int dimension) {
   return fit_scale(all, dimension);
 }
 
-void remove_partial(const std::filesystem::path& partial) noexcept {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    std::error_code ignored;  // a leftover is harmless: it resumes to the same bytes
-    std::filesystem::remove(partial.string() + suffix, ignored);
+/// Locked for this connection alone until it closes; what a killed bake left in the WAL is recovered.
+constexpr const char* kLock = "PRAGMA locking_mode = EXCLUSIVE; BEGIN IMMEDIATE; COMMIT";
+
+/// Takes the name away first, while the lock is ours: whoever waits for the lock finds that the file has gone and
+/// begins another (open_locked).
+void remove_locked(Session& session) noexcept {
+  // No WAL any more, which closing would remove by its name, though another bake's by then.
+  const int code = sqlite3_exec(session.db(), "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
+  unlink(session.file().c_str());
+  session.close();
+  if (code == SQLITE_OK) return;
+  try {
+    for (const char* suffix : {"-wal", "-shm", "-journal"}) unlink((session.file().string() + suffix).c_str());
+  } catch (const std::bad_alloc&) {  // a leftover is harmless
   }
+}
+
+Session open_locked(const std::filesystem::path& partial) {
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    Session session(partial, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, sqlite::Blame::output);
+    session.run("PRAGMA page_size = 4096");
+    session.run(kLock);
+    if (std::filesystem::exists(partial)) return session;
+  }
+  throw OutputError(partial.string(), "is removed again and again: choose another output");
 }
 
 }  // namespace
@@ -58,19 +79,19 @@ void remove_partial(const std::filesystem::path& partial) noexcept {
 void discard_partial(const std::filesystem::path& out) {
   const auto partial = partial_of(out);
   if (!std::filesystem::exists(partial)) return;
-  {
-    const Session session(partial, SQLITE_OPEN_READWRITE, sqlite::Blame::output);
-    const int code = sqlite3_exec(session.db(), "BEGIN EXCLUSIVE; COMMIT", nullptr, nullptr, nullptr);
-    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) session.check(code);  // else: damaged, no loss
+  Session session(partial, SQLITE_OPEN_READWRITE, sqlite::Blame::output);
+  const int code = sqlite3_exec(session.db(), kLock, nullptr, nullptr, nullptr);
+  if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) session.check(code);
+  if (code != SQLITE_OK || !format::is_bake_or_empty(session)) {
+    throw InputError(partial.string(), "is no interrupted bake, or too damaged to tell: move it away yourself");
   }
-  remove_partial(partial);
+  remove_locked(session);
 }
 
 struct DatabaseWriter::State {
   std::filesystem::path out;
-  DatabaseMetadata metadata;
+  format::Stored stored;
   RecordShape shape;
-  RowRange range;
   Session session;
   std::unique_ptr<Statement> insert;
   std::uint64_t next = 0, committed = 0;
@@ -81,17 +102,13 @@ DatabaseWriter::DatabaseWriter(std::filesystem::path out, const DatabaseMetadata
   PELAGE_ASSERT(range.first < range.end && range.end <= metadata.sectors);
   const RecordShape shape = record_shape(metadata.settings);
   check_writable(out);
-  const auto partial = partial_of(out);
-  state_ = std::make_unique<State>(
-      State{std::move(out), metadata, shape, range,
-            Session(partial, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, sqlite::Blame::output), nullptr});
+  Session locked = open_locked(partial_of(out));  // before the aggregate: GCC 12 destroys parts of one twice on a throw
+  state_ = std::make_unique<State>(State{std::move(out), {metadata, range, {}}, shape, std::move(locked), nullptr});
   const Session& session = state_->session;
-  session.run("PRAGMA locking_mode = EXCLUSIVE");
-  session.run(
-      "PRAGMA page_size = 4096; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE; COMMIT");
+  session.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
   remove_stale_temporaries(state_->out);  // the lock is ours: they are of bakes that were killed while finishing
-  if (session.pragma("schema_version") == 0) format::begin(session, metadata);
-  state_->next = state_->committed = resume(session, metadata, range);
+  if (session.pragma("schema_version") == 0) format::begin(session, metadata, range);
+  state_->next = state_->committed = resume(session, state_->stored);
   state_->insert = std::make_unique<Statement>(session, "INSERT INTO sector VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
 }
 
@@ -109,8 +126,8 @@ std::uint64_t DatabaseWriter::next_row() const noexcept {
 
 void DatabaseWriter::append(const SectorView& sector) {
   State& s = *state_;
-  PELAGE_ASSERT(s.next < s.range.end);
-  const std::string why = format::fault(sector, s.shape, s.metadata.settings);
+  PELAGE_ASSERT(s.next < s.stored.planned.end);
+  const std::string why = format::fault(sector, s.shape, s.stored.metadata.settings);
   if (!why.empty()) throw InputError("sector " + std::to_string(s.next), why + "; the record is not stored");
   if (s.next == s.committed) s.session.run("BEGIN");
   Statement& insert = *s.insert;
@@ -135,10 +152,11 @@ void DatabaseWriter::commit() {
 
 void DatabaseWriter::finish() {
   State& s = *state_;
-  PELAGE_ASSERT(s.next == s.range.end);
+  const DatabaseMetadata& metadata = s.stored.metadata;
+  PELAGE_ASSERT(s.next == s.stored.planned.end);
   commit();
-  if (s.range == RowRange{0, s.metadata.sectors}) {
-    format::write_scales(s.session, s.metadata, fit_scale_of_rows(s.session, dimension(s.metadata.settings.features)));
+  if (s.stored.planned == RowRange{0, metadata.sectors}) {
+    format::write_scales(s.session, s.stored, fit_scale_of_rows(s.session, dimension(metadata.settings.features)));
   }
   AtomicFile file(s.out);
   {
@@ -149,8 +167,7 @@ void DatabaseWriter::finish() {
   file.commit();
   s.finished = true;
   s.insert.reset();
-  s.session.close();
-  remove_partial(s.session.file());
+  remove_locked(s.session);
 }
 
 }  // namespace pelage

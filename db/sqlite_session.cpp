@@ -7,11 +7,12 @@
 namespace pelage::sqlite {
 namespace {
 
-std::string remedy(int code) {
+std::string remedy(int code, Blame blame) {
   switch (code & 0xFF) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return "another bake is writing it: wait for it, or choose another output";
+      return blame == Blame::input ? "a bake is writing it: wait until it ends"
+                                   : "another bake is writing it: wait for it, or choose another output";
     case SQLITE_FULL:
       return "no space left: free some and run again, the bake resumes";
     case SQLITE_NOTADB:
@@ -19,14 +20,14 @@ std::string remedy(int code) {
     case SQLITE_CORRUPT:
       return "damaged: bake it again";
     default:
-      return "check the path, its permissions and the disk";
+      return "check the path, its permissions, and that the disk has space";
   }
 }
 
 [[noreturn]] void fail(Blame blame, const std::filesystem::path& file, sqlite3* db, int code) {
   if ((code & 0xFF) == SQLITE_NOMEM) throw std::bad_alloc();
   const std::string said = db != nullptr ? sqlite3_errmsg(db) : sqlite3_errstr(code);
-  const std::string what = said + " (" + remedy(code) + ")";
+  const std::string what = said + " (" + remedy(code, blame) + ")";
   if (blame == Blame::input) throw InputError(file.string(), what);
   throw OutputError(file.string(), what);
 }
@@ -45,7 +46,10 @@ void limit(sqlite3* db) {
 
 Session::Session(const std::filesystem::path& file, int flags, Blame blame) : file_(file), blame_(blame) {
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &raw, flags | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_NOMUTEX, nullptr);
+  // Absolute, so that neither "file:..." nor ":memory:" in somebody's file name means anything but a file.
+  const bool in_memory = (flags & SQLITE_OPEN_MEMORY) != 0;
+  const std::filesystem::path path = in_memory ? file : std::filesystem::absolute(file);
+  const int code = sqlite3_open_v2(path.c_str(), &raw, flags | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_NOMUTEX, nullptr);
   db_.reset(raw);
   if (code != SQLITE_OK) fail(blame, file, raw, code);
   check(sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr));

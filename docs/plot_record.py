@@ -1,7 +1,7 @@
 """Plots a record of an HRIR database: python3 docs/plot_record.py hair.hrir 7 record.png  (columns: data_schema/SCHEMA.md)"""
-import json, sqlite3, sys
+import json, pathlib, sqlite3, sys
 import matplotlib.pyplot as plt, numpy as np
-db = sqlite3.connect(f"file:{sys.argv[1]}?mode=ro", uri=True)
+db = sqlite3.connect(pathlib.Path(sys.argv[1]).resolve().as_uri() + "?mode=ro", uri=True)
 bake = json.loads(db.execute("SELECT settings FROM metadata").fetchone()[0])
 row = db.execute("SELECT tau, tau_scale, re, re_scale FROM sector WHERE id = ?", (sys.argv[2],)).fetchone()
 kind, full = (np.uint8, 255) if bake["storage"] == "u8" else (np.float16, 1)

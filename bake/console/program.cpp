@@ -4,6 +4,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <iostream>
@@ -26,6 +27,19 @@ void catch_interrupts() {
   action.sa_flags = SA_RESETHAND;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+}
+
+/// A file that is mapped (a database, while it is read) and gets cut off by somebody else: say so and end. There is no
+/// way back into SQLite from here; outputs are renamed only when complete.
+void catch_cut_files() {
+  struct sigaction action = {};
+  action.sa_handler = [](int) {
+    static constexpr char kText[] = "a file was cut off or failed while it was being read: restore it and run again\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+    _exit(bad_input);
+  };
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGBUS, &action, nullptr);
 }
 
 void set_up_log(const std::string& name) {
@@ -81,6 +95,7 @@ int run(CLI::App& app, int argc, char** argv) {
     set_up_log(app.get_name());
     threads = limit_threads();
     catch_interrupts();
+    catch_cut_files();
   });
   try {
     app.parse(argc, argv);

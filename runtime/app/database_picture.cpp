@@ -167,7 +167,8 @@ void scatter(Image& image, glm::ivec2 corner, const RecordBank& bank, const Cove
 /// Shares of distances per bin, as bars from the bottom.
 void histogram(Image& image, glm::ivec2 corner, const CoverageShown& c) {
   constexpr int kBins = 60, kBar = kPlot / kBins;
-  Axis x{"distance to the nearest record", 0, std::max(quantile(c.spacing, .995), quantile(c.sector_distances, .995))};
+  Axis x{"distance to the nearest record (last bar: or more)", 0,
+         std::max(quantile(c.spacing, .995), quantile(c.sector_distances, .995))};
   if (!(x.high > 0)) x.high = 1;
   const auto shares = [&](const std::vector<float>& values) {
     std::array<float, kBins> bins{};

@@ -6,12 +6,14 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include "pelage/bake/bake_pipeline.h"
 #include "pelage/bake/direct_source.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
 #include "pelage/db/database.h"
 #include "pelage/db/database_source.h"
 #include "pelage/hair/cluster_fit.h"
@@ -86,22 +88,40 @@ Hairstyle fit_hairstyle(const Scene& scene) {
   return style;
 }
 
+/// Fitted before, or now. @throws OutputError when it cannot be kept
+Hairstyle cached_hairstyle(const std::filesystem::path& file, const Scene& scene) {
+  if (std::filesystem::exists(file)) {
+    try {
+      spdlog::debug("{}: fitted before, {}", scene.hair, file.string());
+      return load_hairstyle(file);
+    } catch (const InputError& damaged) {
+      spdlog::warn("{}; it is fitted again", damaged.what());
+    }
+  }
+  check_writable(file);  // before the work
+  Hairstyle style = fit_hairstyle(scene);
+  try {
+    save_hairstyle(style, file);
+  } catch (const OutputError& error) {
+    spdlog::warn("{}; the fit is not kept", error.what());
+  }
+  return style;
+}
+
 }  // namespace
 
 Hairstyle prepare_hairstyle(const Scene& scene) {
   if (std::filesystem::path(scene.hair).extension() == ".json") return load_hairstyle(scene.hair);
   const std::string parts = file_bytes(scene.hair) + "\n" + scene.unit + scene.up + std::to_string(scene.clusters);
-  const std::filesystem::path file = cached("fit-" + cache_key(parts) + ".json");
-  Hairstyle style;
-  if (std::filesystem::exists(file)) {
-    spdlog::debug("{}: fitted before, {}", scene.hair, file.string());
-    style = load_hairstyle(file);
-  } else {
-    style = fit_hairstyle(scene);
-    save_hairstyle(style, file);
+  std::optional<Hairstyle> style;
+  try {
+    style = cached_hairstyle(cached("fit-" + cache_key(parts) + ".json"), scene);
+  } catch (const OutputError& error) {
+    spdlog::warn("{}; the fit is not kept", error.what());
   }
-  style.division = scene.division;
-  return style;
+  if (!style) style = fit_hairstyle(scene);
+  style->division = scene.division;
+  return *style;
 }
 
 Mesh prepare_head(const Scene& scene) {
@@ -110,18 +130,43 @@ Mesh prepare_head(const Scene& scene) {
 
 namespace {
 
-/// The cached database adapted to this hairstyle, baked now if there is none.
-std::filesystem::path adapted_database(const BakeSettings& settings, const Hairstyle& style) {
-  const std::filesystem::path file =
-      cached("adapted-" + cache_key(hairstyle_hash(style) + to_json(settings)) + ".hrir");
-  if (std::filesystem::exists(file)) return file;
+void bake_adapted(const BakeSettings& settings, const Hairstyle& style, const std::filesystem::path& file) {
   console::Progress progress("baking for " + style.name, static_cast<std::uint64_t>(settings.sectors), "sectors");
   const BakeResult result = bake_database(settings, &style, file, [&](std::uint64_t done, std::uint64_t) {
     console::throw_if_interrupted();
     progress.update(done);
   });
   spdlog::info("{}: {} records baked in {:.1f} s, {}", style.name, result.records, result.seconds, file.string());
-  return file;
+}
+
+using Bank = std::shared_ptr<const RecordBank>;
+
+/// The cached database adapted to this hairstyle, baked now if there is none or it is damaged.
+Bank cached_bank(const BakeSettings& settings, const Hairstyle& style) {
+  const auto file = cached("adapted-" + cache_key(hairstyle_hash(style) + to_json(settings)) + ".hrir");
+  if (std::filesystem::exists(file)) {
+    try {
+      return std::make_shared<RecordBank>(file);
+    } catch (const InputError& damaged) {
+      spdlog::warn("{}; it is baked again", damaged.what());
+    }
+  }
+  bake_adapted(settings, style, file);
+  return std::make_shared<RecordBank>(file);
+}
+
+/// Where the cache cannot be written: baked into a temporary file that is removed once it is read.
+Bank temporary_bank(const BakeSettings& settings, const Hairstyle& style) {
+  std::string name = (std::filesystem::temp_directory_path() / "pelage-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw OutputError(name, "cannot be made: set PELAGE_CACHE or TMPDIR");
+  const std::unique_ptr<const std::filesystem::path, void (*)(const std::filesystem::path*)> folder(
+      new std::filesystem::path(name), [](const std::filesystem::path* path) {
+        std::error_code none;
+        std::filesystem::remove_all(*path, none);
+        delete path;
+      });
+  bake_adapted(settings, style, *folder / "adapted.hrir");
+  return std::make_shared<RecordBank>(*folder / "adapted.hrir");
 }
 
 }  // namespace
@@ -135,14 +180,14 @@ std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyl
     bake = source->bank().metadata().settings;
     return source;
   }
-  const std::filesystem::path file = adapted_database(bake, style);
+  Bank bank;
   try {
-    return std::make_unique<DatabaseSource>(file, lookup);
-  } catch (const InputError& damaged) {
-    spdlog::warn("{}; it is baked again", damaged.what());
-    std::filesystem::remove(file);
+    bank = cached_bank(bake, style);
+  } catch (const OutputError& error) {
+    spdlog::warn("{}; the database is not kept", error.what());
+    bank = temporary_bank(bake, style);
   }
-  return std::make_unique<DatabaseSource>(adapted_database(bake, style), lookup);
+  return std::make_unique<DatabaseSource>(std::move(bank), lookup);
 }
 
 }  // namespace pelage::app

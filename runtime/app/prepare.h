@@ -12,7 +12,8 @@
 namespace pelage::app {
 
 /// Fitted hairstyles and adapted databases are kept here, named by a hash of everything they depend on:
-/// $PELAGE_CACHE, else $XDG_CACHE_HOME/pelage, else ~/.cache/pelage. Safe to delete at any time.
+/// $PELAGE_CACHE, else $XDG_CACHE_HOME/pelage, else ~/.cache/pelage. Safe to delete at any time; where it cannot be
+/// written, nothing is kept and a warning says so.
 std::filesystem::path cache_folder();
 
 Hairstyle prepare_hairstyle(const Scene& scene);

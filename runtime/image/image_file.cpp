@@ -1,5 +1,6 @@
 #include "pelage/image/image_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -18,20 +19,23 @@ void write_image(const Image& image, const std::filesystem::path& file,
   }
   const bool png = extension == ".png";
   AtomicFile out(file);
+  // Encoded in memory: OpenImageIO's PNG writer does not tell when the disk is full.
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
   auto writer = OIIO::ImageOutput::create(extension.substr(1));
   OIIO::ImageSpec spec(image.width, image.height, 4, png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::HALF);
   if (png) spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
   for (const auto& [name, value] : attributes) spec.attribute(name, value);
-  bool good = writer != nullptr && writer->open(out.temporary().string(), spec);
+  bool good = writer != nullptr && writer->set_ioproxy(&memory) && writer->open(file.filename().string(), spec);
   if (good && png) {
-    const auto bytes = to_srgb8(image);
-    good = writer->write_image(OIIO::TypeDesc::UINT8, bytes.data());
+    good = writer->write_image(OIIO::TypeDesc::UINT8, to_srgb8(image).data());
   } else if (good) {
     good = writer->write_image(OIIO::TypeDesc::FLOAT, image.rgba.data());
   }
   if (good) good = writer->close();
-  if (!good) throw OutputError(file.string(), writer ? writer->geterror() : OIIO::geterror());
+  if (!good || bytes.empty()) throw OutputError(file.string(), writer ? writer->geterror() : OIIO::geterror());
+  out.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   out.commit();
 }
 

@@ -90,6 +90,22 @@ TEST(InfoOfDatabase, OptionsOfADatabaseAreRefusedForHair) {
   EXPECT_EQ(test::run(folder, {"info", "@x.hrir", "-o", "@x.gif"}).code, 2);
 }
 
+TEST(InfoOfDatabase, AFullDiskIsASentenceAndTheEarlierPictureStays) {
+  const test::TemporaryFolder folder;
+  write_database_with_outlier(folder / "x.hrir", FeatureSet::paper3);
+  for (const std::string name : {"x.png", "x.exr"}) {
+    folder.write(name, "earlier");
+    // 32 blocks of 512 or 1024 bytes: less than either picture.
+    const std::string command = "trap '' XFSZ; ulimit -f 32; exec " PELAGE_PROGRAM " info " +
+                                (folder / "x.hrir").string() + " -o " + (folder / name).string();
+    const test::Result ran = test::Child(folder, {"-c", command}, {}, "/bin/sh").wait();
+    EXPECT_EQ(ran.code, 1) << ran.out;
+    EXPECT_THAT(ran.err, HasSubstr(name + ": cannot write"));
+    EXPECT_EQ(test::text_of(folder / name), "earlier");
+  }
+  EXPECT_EQ(folder.entries(), 5U);  // database, two pictures, stdout, stderr
+}
+
 TEST(Draw, ADiscCoversItsArea) {
   Image image(40, 40);
   draw::disc(image, {20.3F, 19.6F}, 9, {1, 1, 1});

@@ -276,5 +276,17 @@ TEST_F(Render, InterruptedBakeResumes) {
   EXPECT_GT(stored_bytes(), kept);
 }
 
+TEST_F(Render, ACacheThatCannotBeWrittenIsNoReasonToStop) {
+  fs::create_directory(folder / "tmp");
+  folder.write("file", "");
+  const std::string tmp = "TMPDIR=" + (folder / "tmp").string();
+  const Result result = render({"-o", "@a.png"}, {"PELAGE_CACHE=" + (folder / "file" / "cache").string(), tmp});
+  if (result.code == 5) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("the database is not kept"));
+  EXPECT_GT(coverage(read_image(folder / "a.png")), 0.02);
+  EXPECT_TRUE(fs::is_empty(folder / "tmp"));
+}
+
 }  // namespace
 }  // namespace pelage::test

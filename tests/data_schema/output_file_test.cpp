@@ -96,6 +96,21 @@ TEST(OutputFile, FullDiskIsReported) {
   EXPECT_THAT(message_of<OutputError>([&] { out.write("x"); }), HasSubstr("cannot write: No space left"));
 }
 
+TEST(OutputFile, AChainOfLinksToNothingYetMakesItsEnd) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "sub");
+  std::filesystem::create_symlink("sub/b", folder / "a");
+  std::filesystem::create_symlink("c", folder / "sub" / "b");
+  AtomicFile out(folder / "a");
+  out.write("text");
+  out.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "a"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "sub" / "b"));
+  EXPECT_EQ(text_of(folder / "sub" / "c"), "text");
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_THROW(AtomicFile(folder / "loop").commit(), OutputError);
+}
+
 TEST(OutputFile, StaleTemporariesGoAndNothingElse) {
   const TemporaryFolder folder;
   for (const char* stale : {".a.hrir.123-0.part", ".a.hrir.9-12.part"}) {

@@ -241,7 +241,7 @@ TEST_P(DatabaseTest, RefusesForeignAndNewerFiles) {
       {"PRAGMA user_version = 3", "schema version 3, this build reads 2: bake it again"},
       {"DELETE FROM sector", "0 of 12 records"},
       {"DELETE FROM sector WHERE id = 4", "rows are missing"},
-      {"UPDATE sector SET id = 50 WHERE id = 11", "row 50 is beyond its 12 records"},
+      {"UPDATE sector SET id = 50 WHERE id = 11", "holds rows 0 to 50, but is for rows 0 to 11"},
       {"DELETE FROM metadata", "no metadata"},
       {"UPDATE metadata SET sectors = 11", "checksum"},
       {"UPDATE metadata SET sectors = 0", "0 sectors"},
@@ -258,7 +258,7 @@ TEST_P(DatabaseTest, RefusesForeignAndNewerFiles) {
       {"UPDATE sector SET tau_scale = -1 WHERE id = 3", "sector 3: scale"},
       {"UPDATE sector SET features = zeroblob(4) WHERE id = 5", "sector 5: 1 features"},
       {"UPDATE sector SET features = CAST(x'0000C07F' || substr(features, 5) AS BLOB) WHERE id = 5",
-       "sector 5: a feature is not finite"},
+       "sector 5: a feature is not a number within 1e6"},
       {"UPDATE sector SET crossings = x'0000C07F00000000' WHERE id = 6", "sector 6: a strand lies outside"},
       {"UPDATE sector SET crossings = x'0000404000000000' WHERE id = 6", "sector 6: a strand lies outside"},
       {"DROP TABLE sector", "its tables are not those"},
@@ -317,13 +317,59 @@ TEST(Database, ReadsTheSameConcurrently) {
 TEST(Database, RefusesFilesThatAreNone) {
   const Folder folder;
   EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder / "absent"); }), HasSubstr("no such file"));
-  EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder.path()); }), HasSubstr("no such file"));
+  EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder.path()); }), HasSubstr("is a folder"));
   write_bytes(folder / "empty", "");
   EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder / "empty"); }), HasSubstr("not an HRIR database"));
   write_bytes(folder / "text", std::string(5000, 'x'));
   EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder / "text"); }), HasSubstr("not an HRIR database"));
   { DatabaseWriter writer(folder / "begun", metadata_of(small_settings(), 12)); }
   EXPECT_THAT(message_of<InputError>([&] { DatabaseReader(folder / "begun.partial"); }), HasSubstr("unfinished"));
+}
+
+TEST(Database, RefusesScalesThatAreNotThoseOfItsRows) {
+  const Folder folder;
+  const BakeSettings settings = small_settings();
+  const auto sectors = arbitrary_sectors(settings, settings.sectors);
+  write_database(folder / "a", settings, sectors);
+  auto others = sectors;
+  others[3].features[1] += 0.5F;
+  write_database(folder / "b", settings, others);
+  // The rows of one and the metadata of the other, with all checksums right.
+  alter(folder / "a", "ATTACH '" + (folder / "b").string() +
+                          "' AS b; DELETE FROM metadata; INSERT INTO metadata SELECT * FROM b.metadata");
+  EXPECT_THAT(message_of<InputError>([&] { read_all(folder / "a"); }),
+              HasSubstr("feature scales are not those of its records"));
+  EXPECT_THAT(message_of<InputError>([&] { RecordBank(folder / "a"); }), HasSubstr("feature scales are not"));
+}
+
+TEST(Database, NamesThatSqliteWouldReadOtherwiseAreFiles) {
+  const Folder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const BakeSettings settings = small_settings();
+  for (const char* name : {"file:x.hrir", ":memory:", "file:y.hrir?mode=memory", "50% #1.hrir"}) {
+    write_database(name, settings, arbitrary_sectors(settings, settings.sectors));
+    read_all(name);
+    EXPECT_TRUE(std::filesystem::exists(folder / name));
+    EXPECT_FALSE(std::filesystem::exists(folder / (std::string(name) + ".partial")));
+  }
+  std::filesystem::current_path(before);
+}
+
+TEST(Database, DiscardsOnlyInterruptedBakes) {
+  const Folder folder;
+  const auto x = folder / "x", partial = folder / "x.partial";
+  discard_partial(x);  // none: nothing to do
+  { DatabaseWriter writer(x, metadata_of(small_settings(), 12)); }
+  discard_partial(x);
+  EXPECT_FALSE(std::filesystem::exists(partial));
+  write_bytes(partial, "precious");
+  EXPECT_THAT(message_of<InputError>([&] { discard_partial(x); }), HasSubstr("is no interrupted bake"));
+  EXPECT_EQ(bytes_of(partial), "precious");
+  std::filesystem::remove(partial);
+  alter(partial, "CREATE TABLE mine (a); PRAGMA application_id = 7");
+  EXPECT_THAT(message_of<InputError>([&] { discard_partial(x); }), HasSubstr("is no interrupted bake"));
+  EXPECT_TRUE(std::filesystem::exists(partial));
 }
 
 TEST(Database, RefusesRecordsTooLargeForABlob) {
@@ -338,7 +384,8 @@ TEST(Database, RefusesRowsOfAnotherShape) {
   DatabaseWriter writer(folder / "x", metadata_of(s, 2));
   StoredSector row = arbitrary_sectors(s, 1).front();
   row.features[3] = std::nanf("");
-  EXPECT_THAT(message_of<InputError>([&] { writer.append(row); }), HasSubstr("sector 0: a feature is not finite"));
+  EXPECT_THAT(message_of<InputError>([&] { writer.append(row); }),
+              HasSubstr("sector 0: a feature is not a number within 1e6"));
 }
 
 TEST(Database, SecondBakerIsToldToWait) {

@@ -48,6 +48,28 @@ TEST(NearestSectors, TiesGoToTheFirstRecord) {
   EXPECT_EQ(found, (std::vector<Neighbour>{{17, 0.0F}, {57, 0.0F}, {97, 0.0F}}));
 }
 
+TEST(NearestSectors, ALatticeFullOfTiesEqualsLookingAtEveryPoint) {
+  std::vector<float> points;
+  for (int i = 0; i < 343; ++i) {
+    for (const int c : {i % 7, i / 7 % 7, i / 49}) points.push_back(static_cast<float>(c));
+  }
+  points.insert(points.end(), points.begin(), points.begin() + 300);
+  const NearestSectors index(points, 3);
+  for (const std::vector<float>& query : {std::vector<float>{3, 3, 3}, {2.5F, 2.5F, 2.5F}, {0, 0, 0}, {9, 3, 3}}) {
+    for (const int k : {1, 2, 7, 8, 40, 443}) EXPECT_EQ(index.nearest(query, k), index.nearest_exhaustive(query, k));
+  }
+}
+
+TEST(NearestSectors, ManyEqualPointsCostNoMoreThanOne) {  // minutes, if each query looked at all of them
+  const NearestSectors index(std::vector<float>(400'000, 0.5F), 2);
+  for (int i = 0; i < 200'000; ++i) ASSERT_EQ(index.nearest(index.point(0), 2)[1].record, 1U);
+}
+
+TEST(NearestSectors, DistancesBeyondFloatAreStillOrdered) {
+  const NearestSectors index({0, 1e30F, 2e30F}, 1);
+  EXPECT_EQ(index.nearest(std::vector<float>{3e38F}, 2).size(), 2U);
+}
+
 TEST(NearestSectors, RefusesNothingAndNaN) {
   EXPECT_THAT(message_of<UsageError>([] { NearestSectors({}, 3); }), HasSubstr("at least one"));
   EXPECT_THAT(message_of<InputError>([] { NearestSectors({0, 1, 2, 3, std::nanf(""), 5}, 3); }), HasSubstr("record 1"));

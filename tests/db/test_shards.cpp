@@ -28,7 +28,7 @@ class ShardTest : public testing::Test {
     Files files;
     for (int i = 1; i <= count; ++i) {
       files.push_back(folder_ / (name + std::to_string(i) + "of" + std::to_string(count)));
-      bake_database(settings, style, files.back(), {}, {i, count});
+      bake_database(settings, style, files.back(), {}, Shard{i, count});
     }
     return files;
   }
@@ -76,7 +76,7 @@ TEST_F(ShardTest, RangesCoverAllRowsEvenly) {
 TEST_F(ShardTest, AShardAloneIsRefusedWithTheRemedy) {
   const Files shards = bake_shards(2);
   EXPECT_THAT(message_of<InputError>([&] { DatabaseReader{shards[1]}; }),
-              AllOf(HasSubstr("records 68 to 136 of 137"), HasSubstr("pelage-bake merge")));
+              AllOf(HasSubstr("is a shard, records 68 to 136 of 137"), HasSubstr("pelage-bake merge")));
   EXPECT_EQ(DatabaseReader(shards[1], Accept::unfinished).rows(), (RowRange{68, 137}));
 }
 
@@ -140,12 +140,12 @@ TEST_F(ShardTest, InterruptedShardAndMergeResume) {
     };
   };
   const auto shard2 = folder_ / "shard2of2";
-  EXPECT_THROW(bake_database(quick_settings(), nullptr, shard2, stop_at(40), {2, 2}), Interrupted);
+  EXPECT_THROW(bake_database(quick_settings(), nullptr, shard2, stop_at(40), Shard{2, 2}), Interrupted);
   EXPECT_THAT(message_of<InputError>([&] {
-                bake_database(quick_settings(), nullptr, shard2, {}, {1, 2});
+                bake_database(quick_settings(), nullptr, shard2, {}, Shard{1, 2});
               }),
-              HasSubstr("another shard"));
-  EXPECT_GE(bake_database(quick_settings(), nullptr, shard2, {}, {2, 2}).resumed, 30U);
+              HasSubstr("the part of the 137 records is 68 to 136 in the file, 0 to 67 now"));
+  EXPECT_GE(bake_database(quick_settings(), nullptr, shard2, {}, Shard{2, 2}).resumed, 30U);
   const Files shards = bake_shards(2);
   EXPECT_THROW(merge_shards(shards, folder_ / "merged", stop_at(100)), Interrupted);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "merged.partial"));
@@ -159,13 +159,14 @@ TEST_F(ShardTest, InterruptedShardAndMergeResume) {
 TEST_F(ShardTest, AnInterruptedShardMergesOnlyWhenItIsComplete) {
   const Files shards = bake_shards(2);
   const auto partial = folder_ / "x.partial";
-  EXPECT_THROW(bake_database(quick_settings(), nullptr, folder_ / "x",
-                             [](std::uint64_t done, std::uint64_t) {
-                               if (done > 30) throw Interrupted("stop");
-                             },
-                             {1, 2}),
+  EXPECT_THROW(bake_database(
+                   quick_settings(), nullptr, folder_ / "x",
+                   [](std::uint64_t done, std::uint64_t) {
+                     if (done > 30) throw Interrupted("stop");
+                   },
+                   Shard{1, 2}),
                Interrupted);
-  EXPECT_THAT(merge_error({partial, shards[1]}), HasSubstr("to 67 are in none of the shards"));
+  EXPECT_THAT(merge_error({partial, shards[1]}), HasSubstr("is unfinished: it holds the records 0 to"));
 }
 
 // --- the program -----------------------------------------------------------------------------------------------------
@@ -184,9 +185,9 @@ TEST_F(BakeProgram, ShardsAndMerges) {
     const Ran ran =
         bake("build --settings " + path("bake.json") + " --shard " + i + "/3 -o " + path("part" + std::string(i)));
     EXPECT_EQ(ran.code, 0) << ran.text;
-    EXPECT_THAT(ran.text, HasSubstr(std::string("shard ") + i + "/3"));
+    EXPECT_THAT(ran.text, HasSubstr("shard of records "));
   }
-  EXPECT_THAT(bake("info " + path("part2")).text, HasSubstr("records 45 to 90 of 137"));
+  EXPECT_THAT(bake("info " + path("part2")).text, HasSubstr("shard: records 45 to 90 of 137"));
   EXPECT_THAT(bake("verify " + path("part2")).text, HasSubstr("all 46 records pass"));
   const Ran gap = bake("merge " + path("part1") + " " + path("part3") + " -o " + path("merged"));
   EXPECT_EQ(gap.code, 4);
@@ -261,6 +262,39 @@ TEST_F(BakeProgram, ResumesOnDemandOrNever) {
   EXPECT_THAT(anew.text, testing::Not(HasSubstr("interrupted bake")));
   EXPECT_TRUE(bytes_of(folder_ / "x.hrir") == bytes);
   EXPECT_EQ(bake(build() + " --resume --no-resume").code, 2);
+}
+
+TEST_F(BakeProgram, ResumesAShardWithoutBeingToldWhich) {
+  bake_database(quick_settings(), nullptr, folder_ / "undisturbed", {}, Shard{2, 3});
+  const auto interrupt = [&] {
+    EXPECT_THROW(bake_database(
+                     quick_settings(), nullptr, folder_ / "x.hrir",
+                     [](std::uint64_t done, std::uint64_t) {
+                       if (done > 20) throw Interrupted("stop");
+                     },
+                     Shard{2, 3}),
+                 Interrupted);
+  };
+  interrupt();
+  EXPECT_THAT(bake("info " + path("x.hrir.partial")).text, HasSubstr("unfinished: records 45 to 65 of 45 to 90"));
+  for (const char* other : {"", " --shard 1/3", " --shard 2/4"}) {
+    const Ran ran = bake(build() + other);
+    EXPECT_EQ(ran.code, 4);
+    EXPECT_THAT(ran.text, HasSubstr("is 45 to 90 in the file"));
+  }
+  const Ran ran = bake("build --resume -o " + path("x.hrir"));
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_THAT(ran.text, HasSubstr("shard of records 45 to 90, 46 records (21 of them"));
+  EXPECT_TRUE(bytes_of(folder_ / "x.hrir") == bytes_of(folder_ / "undisturbed"));
+}
+
+TEST_F(BakeProgram, MergesIntoNoneOfItsShards) {
+  bake_shards(2);
+  const std::string bytes = bytes_of(folder_ / "shard1of2");
+  const Ran ran = bake("merge " + path("shard1of2") + " " + path("shard2of2") + " -o " + path("shard1of2"));
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_THAT(ran.text, HasSubstr("is one of the shards"));
+  EXPECT_TRUE(bytes_of(folder_ / "shard1of2") == bytes);
 }
 
 TEST_F(BakeProgram, DoesNotDiscardWhatAnotherBakeIsWriting) {

@@ -180,5 +180,16 @@ TEST(Interrupted, Exits130AndResumesToTheSameBytes) {
   EXPECT_EQ(bake.entries(), 4U) << "settings, stdout, stderr, the database and nothing else";
 }
 
+/// What the system sends when a mapped file was cut off by somebody else.
+TEST(CutFile, IsASentenceAndAnExitCode) {
+  Bake bake;
+  const Child child = bake.begin();
+  bake.wait_for_writes(3);
+  child.signal(SIGBUS);
+  const Result result = child.wait();
+  EXPECT_EQ(result.code, 4);
+  EXPECT_EQ(result.err, "a file was cut off or failed while it was being read: restore it and run again\n");
+}
+
 }  // namespace
 }  // namespace pelage

@@ -31,7 +31,7 @@ def output_of(*command):
 def check(bake, script, storage, folder):
     settings = {"version": 1, "sectors": 6, "views": VIEWS, "lights": LIGHTS, "samples": 16, "storage": storage}
     (folder / "bake.json").write_text(json.dumps(settings))
-    database, picture = folder / f"{storage}.hrir", folder / f"{storage}.png"
+    database, picture = folder / f"{storage} 50% #1?.hrir", folder / f"{storage}.png"
     output_of(bake, "build", "--settings", str(folder / "bake.json"), "-o", str(database), "--progress", "never")
     sys.argv = ["plot_record.py", str(database), str(RECORD), str(picture)]
     read = runpy.run_path(str(script))
