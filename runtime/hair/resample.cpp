@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 
@@ -49,6 +50,13 @@ T sample(std::span<const T> values, Place place) {
   return a + place.fraction * (b - a);
 }
 
+/// Strands counts vertices in 32 bits.
+void check_total(double vertices) {
+  if (vertices <= 4'294'967'295.0) return;
+  throw UsageError("resampling would make " + std::to_string(static_cast<std::uint64_t>(vertices)) +
+                   " vertices, 4294967295 can be counted: give fewer per strand");
+}
+
 void append_resampled(const Strands& in, std::size_t strand, std::size_t count, Strands& out) {
   const std::span<const glm::vec3> points = in.strand(strand);
   const std::vector<Place> places = points.empty() ? std::vector<Place>{} : even_places(points, count);
@@ -89,6 +97,7 @@ Strands resample(const Strands& strands, int vertices_per_strand) {
   if (vertices_per_strand < 2) {
     throw UsageError("vertices per strand " + std::to_string(vertices_per_strand) + ": give at least 2");
   }
+  check_total(static_cast<double>(strands.count()) * vertices_per_strand);  // exact up to 2^53, and no more than 2^63
   Strands out = without_vertices(strands);
   for (std::size_t i = 0; i < strands.count(); ++i) {
     append_resampled(strands, i, static_cast<std::size_t>(vertices_per_strand), out);
@@ -100,11 +109,17 @@ Strands resample_to_spacing(const Strands& strands, float spacing_m) {
   if (!(spacing_m > 0) || !std::isfinite(spacing_m)) {
     throw UsageError("spacing " + std::to_string(spacing_m) + " m: give a positive number");
   }
-  Strands out = without_vertices(strands);
+  std::vector<double> counts;
+  double total = 0;
   for (std::size_t i = 0; i < strands.count(); ++i) {
     const double segments = std::ceil(arc_length_m(strands.strand(i)) / static_cast<double>(spacing_m));
-    append_resampled(strands, i, static_cast<std::size_t>(std::clamp(segments, 1.0, kMaxSegments)) + 1, out);
+    counts.push_back(std::clamp(segments, 1.0, kMaxSegments) + 1);
+    total += counts.back();
   }
+  check_total(total);
+  Strands out = without_vertices(strands);
+  for (std::size_t i = 0; i < strands.count(); ++i)
+    append_resampled(strands, i, static_cast<std::size_t>(counts[i]), out);
   return out;
 }
 

@@ -18,11 +18,11 @@ double arc_length_m(std::span<const glm::vec3> points) noexcept;
 std::vector<glm::vec3> resample_polyline(std::span<const glm::vec3> points, int count);
 
 /// Every strand with `vertices_per_strand` (>= 2) vertices. Diameters are interpolated, colours kept.
-/// @throws UsageError when vertices_per_strand < 2
+/// @throws UsageError when vertices_per_strand < 2, or for more than 2^32 - 1 vertices in all
 Strands resample(const Strands& strands, int vertices_per_strand);
 
 /// Every strand with as many vertices as segments of at most `spacing_m` (> 0) need, evenly spaced.
-/// @throws UsageError when spacing_m is not a positive number
+/// @throws UsageError when spacing_m is not a positive number, or for more than 2^32 - 1 vertices in all
 Strands resample_to_spacing(const Strands& strands, float spacing_m);
 
 }  // namespace pelage::hair

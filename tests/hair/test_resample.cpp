@@ -1,4 +1,5 @@
 // Resampling: even arc length, exact ends, points on the polyline.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,6 +66,14 @@ TEST(Resample, SpacingIsAnUpperBound) {
     EXPECT_LE(glm::distance(r.vertices[k - 1], r.vertices[k]), 0.007F * (1 + 1e-5F));
   }
   EXPECT_EQ(r.vertices.size(), static_cast<std::size_t>(std::ceil(arc_length_m(s.strand(0)) / 0.007)) + 1);
+}
+
+TEST(Resample, RefusesMoreVerticesThanCanBeCounted) {
+  Strands s;
+  for (int i = 0; i < 65'540; ++i) s.append(std::vector<glm::vec3>{{0, 0, 0}, {0, 1000, 0}});
+  EXPECT_THAT([&] { resample(s, 65'536); }, testing::ThrowsMessage<UsageError>(testing::HasSubstr("4295229440")));
+  EXPECT_THROW(resample(s, 2'000'000'000), UsageError);
+  EXPECT_THROW(resample_to_spacing(s, 1e-3F), UsageError);
 }
 
 TEST(Resample, RefusesNonsense) {
