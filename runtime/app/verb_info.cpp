@@ -1,4 +1,5 @@
-// pelage info: what a hair file, a hairstyle or a database holds, and what looks implausible about it.
+// pelage info: what a hair file, its bone weights, a hairstyle or a database holds, and what looks implausible about
+// it.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include "pelage/data_schema/hairstyle.h"
 #include "pelage/hair/facts.h"
 #include "pelage/hair/hair_file.h"
+#include "pelage/hair/tfx_bone.h"
 
 namespace pelage::app {
 namespace {
@@ -96,12 +98,41 @@ void info_of_hairstyle(const std::filesystem::path& file) {
   fmt::print("diameter, opacity   {:.4g} um, {:.3g}\n", 1e6 * static_cast<double>(style.diameter_m), style.opacity);
 }
 
-void run(const Options& options) {
-  if (is_database(options.input)) return info_of_database(options.input, options.against, options.picture);
+void info_of_bones(const std::filesystem::path& file) {
+  const hair::TfxBones bones = hair::read_tfxbone(file);
+  if (console::common().json) {
+    const nlohmann::json json = {{"format", "TFX bones"},
+                                 {"bones", bones.names},
+                                 {"strands", bones.strands.size()},
+                                 {"weight_sum_farthest_from_1", bones.farthest_sum},
+                                 {"repaired", bones.repaired}};
+    console::print_json(json);
+    return;
+  }
+  fmt::print("format              TFX bones: the weights of the .tfx file beside it\n");
+  fmt::print("bones               {}\n", bones.names.size());
+  fmt::print("strands             {}, {} without a usable weight\n", bones.strands.size(), bones.repaired.size());
+  fmt::print("weights             scaled to a sum of 1; the sum farthest from it is {:.4g}\n", bones.farthest_sum);
+}
+
+/// Options that say how hair is to be read have no say over anything else.
+void refuse_hair_options(const CLI::App& verb, const Options& options) {
+  for (const char* const option : {"--unit", "--up", "--curve"}) {
+    if (verb.count(option) == 0) continue;
+    throw UsageError(std::string(option) + " is for hair files, which " + options.input.string() + " is not");
+  }
+}
+
+void run(const CLI::App& verb, const Options& options) {
+  const bool database = is_database(options.input), style = options.input.extension() == ".json",
+             bones = options.input.extension() == ".tfxbone";
+  if (database || style || bones) refuse_hair_options(verb, options);
+  if (database) return info_of_database(options.input, options.against, options.picture);
   if (!options.picture.empty() || !options.against.empty()) {
     throw UsageError(options.input.string() + " is no database: -o and --against belong to one");
   }
-  if (options.input.extension() == ".json") return info_of_hairstyle(options.input);
+  if (style) return info_of_hairstyle(options.input);
+  if (bones) return info_of_bones(options.input);
   info_of_hair(options);
 }
 
@@ -112,7 +143,8 @@ void add_info(CLI::App& app) {
       app.add_subcommand("info", "Show what a hair file, a hairstyle or a database holds, and what looks implausible");
   const auto options = std::make_shared<Options>();
   verb->add_option("file", options->input,
-                   "hair file (.hair, .tfx, .data, .ply, .obj, .usda), a hairstyle (.json), or a database (.hrir)")
+                   "hair file (.hair, .tfx, .data, .ply, .obj, .usda), bone weights (.tfxbone), a hairstyle (.json), "
+                   "or a database (.hrir)")
       ->required();
   verb->add_option("--unit", options->unit, "of the hair file: m, cm, mm, in, or metres per unit")
       ->capture_default_str();
@@ -121,7 +153,7 @@ void add_info(CLI::App& app) {
   verb->add_option("--against", options->against, "of a database: hairstyle (.json) whose sectors should be covered");
   verb->add_option("-o,--output", options->picture, "of a database: draw records and coverage to this PNG or EXR file");
   console::add_common_options(*verb);
-  verb->callback([options] { run(*options); });
+  verb->callback([verb, options] { run(*verb, *options); });
 }
 
 }  // namespace pelage::app

@@ -4,6 +4,7 @@
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/hair_formats.h"
+#include "pelage/hair/input_file.h"
 #include "pelage/hair/text_words.h"
 
 namespace pelage::hair {
@@ -93,6 +94,7 @@ class BoneParser {
       sum = 1.0;
       result_.repaired.push_back(strand);
     }
+    if (std::abs(sum - 1.0) > std::abs(result_.farthest_sum - 1.0)) result_.farthest_sum = sum;
     store(strand, bones, weights, sum);
   }
 
@@ -126,6 +128,10 @@ class BoneParser {
 
 TfxBones parse_tfxbone(std::span<const std::byte> bytes, const std::string& where) {
   return BoneParser(bytes, where).run();
+}
+
+TfxBones read_tfxbone(const std::filesystem::path& file) {
+  return parse_tfxbone(read_bytes(file), file.string());
 }
 
 }  // namespace pelage::hair

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,10 +20,12 @@ struct StrandBones {
 struct TfxBones {
   std::vector<std::string> names;     // [bones]
   std::vector<StrandBones> strands;   // [strands]
+  double farthest_sum = 1.0;          // of a strand's weights in the file, of all the one farthest from 1
   std::vector<std::size_t> repaired;  // strands without a usable weight: all of it on their first bone, else bone 0
 };
 
 /// @throws InputError naming what is wrong: truncated, an index out of range, a strand or bone missing or given twice
 TfxBones parse_tfxbone(std::span<const std::byte> bytes, const std::string& where);
+TfxBones read_tfxbone(const std::filesystem::path& file);
 
 }  // namespace pelage::hair

@@ -55,6 +55,7 @@ TEST(TfxBone, ReadsAndRenormalises) {
   EXPECT_EQ(bones.strands[0].weights, (std::array<float, 4>{0.5F, 0.5F, 0, 0}));
   EXPECT_EQ(bones.strands[1].weights, (std::array<float, 4>{0.75F, 0.25F, 0, 0}));
   EXPECT_EQ(bones.strands[1].bones, (std::array<std::uint32_t, 4>{1, 0, 0, 0}));
+  EXPECT_EQ(bones.farthest_sum, 0.5);
   EXPECT_TRUE(bones.repaired.empty());
 }
 
@@ -118,6 +119,7 @@ TEST(RealFiles, RatboyHangsOnHisBones) {
   const std::string text = test::text_of(file);
   const TfxBones bones = parse_tfxbone(std::as_bytes(std::span(text)), file.string());
   EXPECT_EQ(bones.names.size(), 105U);
+  EXPECT_NEAR(bones.farthest_sum, 0.92, 0.0005);
   EXPECT_EQ(bones.names[0], "frenchHornMonster_head_JNT");
   EXPECT_EQ(bones.strands.size(), 2'228U);
   EXPECT_TRUE(bones.repaired.empty());
