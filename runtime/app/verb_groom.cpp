@@ -8,7 +8,10 @@
 
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
+#include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/data_schema/bake_settings.h"
+#include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/groom.h"
 #include "pelage/hair/hair_file.h"
@@ -37,18 +40,32 @@ void print_result(const Strands& strands, const Options& options) {
   }
 }
 
-void run(Options& options) {
-  options.settings.style = hair::parse_groom_style(options.style);
+/// @throws UsageError when both options name one file, whose hair the head would replace
+void check_outputs(const Options& options) {
   hair::check_hair_output(options.output);
   check_writable(options.output);
-  if (!options.head_output.empty()) check_writable(options.head_output);
+  if (options.head_output.empty()) return;
+  check_writable(options.head_output);
+  if (std::filesystem::weakly_canonical(options.output) == std::filesystem::weakly_canonical(options.head_output))
+    throw UsageError("-o and --head-out name the same file: give another for the head");
+}
+
+void write_head(const Options& options) {
+  try {
+    hair::write_obj(hair::parametric_head(options.settings.head), options.head_output);
+  } catch (const OutputError& error) {
+    throw OutputError(error.what(), options.output.string() + " was written, the head was not");
+  }
+}
+
+void run(Options& options) {
+  options.settings.style = hair::parse_groom_style(options.style);
+  check_outputs(options);
   const Strands strands = hair::groom(options.settings);
   console::throw_if_interrupted();
   const hair::WriteReport written = hair::write_strands(strands, options.output);
   for (const std::string& lost : written.lost) spdlog::warn("{}: lost: {}", options.output.string(), lost);
-  if (!options.head_output.empty()) {
-    hair::write_obj(hair::parametric_head(options.settings.head), options.head_output);
-  }
+  if (!options.head_output.empty()) write_head(options);
   spdlog::info("{} strands, {} vertices, style {}, seed {}", strands.count(), strands.vertices.size(), options.style,
                options.settings.seed);
   print_result(strands, options);
@@ -60,8 +77,12 @@ void add_groom(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("groom", "Grow hair on a parametric head and write it as a hair file");
   const auto options = std::make_shared<Options>();
   verb->add_option("--style", options->style, "straight, wavy, curly, bob or ponytail")->capture_default_str();
-  verb->add_option("--strands", options->settings.strands, "number of strands")->capture_default_str();
-  verb->add_option("--seed", options->settings.seed, "the same seed gives the same hair")->capture_default_str();
+  verb->add_option("--strands", options->settings.strands, "number of strands")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  verb->add_option("--seed", options->settings.seed, "the same seed gives the same hair")
+      ->check(console::finite(0, static_cast<double>(kLargestSeed)))
+      ->capture_default_str();
   verb->add_option("--vertices", options->settings.vertices, "per strand; 0: 32, and 64 for curls")
       ->capture_default_str();
   verb->add_option("--length-scale", options->settings.length_scale, "longer or shorter hair, 0.2 to 3")
