@@ -18,7 +18,7 @@
 namespace pelage::app {
 namespace {
 
-constexpr std::size_t kNamed = 10;  // strands that are named on the terminal; --json names all
+constexpr std::size_t kNamed = 10;  // strands that are named on the terminal; --json names more
 
 struct Options {
   std::filesystem::path input, output;
@@ -39,6 +39,8 @@ void print_json(const Options& options, const hair::ReadReport& read, const hair
       {"strands_in_file", read.strands_in_file},
       {"strands", strands.count()},
       {"vertices", strands.vertices.size()},
+      {"dropped", read.dropped()},
+      {"repaired", read.repaired()},
       {"issues", issues},
       {"notes", read.notes},
       {"output_notes", written.notes},
@@ -51,12 +53,13 @@ void print_text(const Options& options, const hair::ReadReport& read, const hair
                 const Strands& strands) {
   fmt::print("{}: {} -> {}: {}\n", options.input.string(), read.format, options.output.string(), written.format);
   fmt::print("{} of {} strands, {} vertices", strands.count(), read.strands_in_file, strands.vertices.size());
+  const std::size_t issues = read.dropped() + read.repaired();
   fmt::print("; {} dropped, {} repaired\n", read.dropped(), read.repaired());
   for (std::size_t k = 0; k < std::min(read.issues.size(), kNamed); ++k) {
     const hair::StrandIssue& issue = read.issues[k];
     fmt::print("  strand {} {}: {}\n", issue.strand, issue.dropped ? "dropped" : "repaired", issue.reason);
   }
-  if (read.issues.size() > kNamed) fmt::print("  and {} more: --json names all\n", read.issues.size() - kNamed);
+  if (issues > kNamed) fmt::print("  and {} more: --json names the first {}\n", issues - kNamed, hair::kMaxIssues);
   for (const std::string& note : read.notes) fmt::print("note: {}\n", note);
   for (const std::string& note : written.notes) fmt::print("note: {}\n", note);
   for (const std::string& lost : written.lost) fmt::print("lost: {}\n", lost);

@@ -37,21 +37,20 @@ std::string number(double value) {
   return buffer;
 }
 
-/// Distance from each root to the nearest other, by a sweep along x.
+/// Distance from each root to the nearest other, by a sweep along x in both directions.
 std::vector<double> nearest_root_distances_m(const Strands& strands) {
   std::vector<glm::dvec3> roots;
   for (std::size_t i = 0; i < strands.count(); ++i) roots.emplace_back(strands.strand(i).front());
   std::sort(roots.begin(), roots.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  constexpr std::size_t kMost = 2500;  // roots in one plane across x: an upper bound is enough
   std::vector<double> nearest(roots.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < roots.size(); ++i) {
-    const std::size_t last = std::min(roots.size(), i + 5000);  // roots in one plane across x: an upper bound is enough
-    for (std::size_t k = i + 1; k < last && roots[k].x - roots[i].x < nearest[i]; ++k) {
-      const double d = glm::distance(roots[i], roots[k]);
-      nearest[i] = std::min(nearest[i], d);
-      nearest[k] = std::min(nearest[k], d);
-    }
+    const std::size_t last = std::min(roots.size(), i + kMost), first = i - std::min(i, kMost);
+    for (std::size_t k = i + 1; k < last && roots[k].x - roots[i].x < nearest[i]; ++k)
+      nearest[i] = std::min(nearest[i], glm::distance(roots[i], roots[k]));
+    for (std::size_t k = i; k > first && roots[i].x - roots[k - 1].x < nearest[i]; --k)
+      nearest[i] = std::min(nearest[i], glm::distance(roots[i], roots[k - 1]));
   }
-  if (roots.size() < 2) nearest.clear();
   return nearest;
 }
 
@@ -170,11 +169,6 @@ nlohmann::json json_of(glm::vec3 v) {
   return nlohmann::json::array({v.x, v.y, v.z});
 }
 
-std::size_t count_dropped(const HairFacts& facts) {
-  return static_cast<std::size_t>(
-      std::count_if(facts.issues.begin(), facts.issues.end(), [](const auto& s) { return s.dropped; }));
-}
-
 }  // namespace
 
 HairFacts hair_facts(const Strands& strands, const ReadReport& report, double metres_per_unit) {
@@ -187,11 +181,13 @@ HairFacts hair_facts(const Strands& strands, const ReadReport& report, double me
   facts.opacity = report.opacity.value_or(kDefaultOpacity);
   facts.opacity_from_file = report.opacity.has_value();
   facts.issues = report.issues;
+  facts.dropped = report.dropped();
+  facts.repaired = report.repaired();
   if (strands.count() == 0) return facts;
   measure_strands(strands, facts);
   measure_box(strands, facts);
   measure_diameter(strands, facts);
-  facts.root_spacing_m = spread_of(nearest_root_distances_m(strands));
+  if (strands.count() > 1) facts.root_spacing_m = spread_of(nearest_root_distances_m(strands));
   facts.repeated_roots = count_repeated(strands, 1);
   facts.repeated_strands = count_repeated(strands, std::numeric_limits<std::size_t>::max());
   remark(strands, report, metres_per_unit, facts);
@@ -212,19 +208,19 @@ std::string to_text(const HairFacts& f) {
   append_line(out, "box", corner(f.box_min_m) + " to " + corner(f.box_max_m) + " m, size " + corner(size));
   append_line(out, "strand length", describe(f.length_m, 1e3, " mm"));
   append_line(out, "vertex spacing", describe(f.spacing_m, 1e3, " mm"));
-  append_line(out, "root spacing", describe(f.root_spacing_m, 1e3, " mm"));
+  if (f.root_spacing_m) append_line(out, "root spacing", describe(*f.root_spacing_m, 1e3, " mm"));
   append_line(out, "diameter",
               f.diameter_from_file ? describe(f.diameter_m, 1e6, " um")
                                    : number(1e6 * f.diameter_m.median) + " um, default for this count");
   append_line(out, "opacity", number(static_cast<double>(f.opacity)) + (f.opacity_from_file ? "" : ", default"));
   append_line(out, "colours", f.coloured ? "in the file" : "none");
-  const std::size_t dropped = count_dropped(f);
-  append_line(out, "dropped, repaired", std::to_string(dropped) + ", " + std::to_string(f.issues.size() - dropped));
+  append_line(out, "dropped, repaired", std::to_string(f.dropped) + ", " + std::to_string(f.repaired));
   for (std::size_t k = 0; k < std::min(f.issues.size(), kNamed); ++k) {
     const StrandIssue& issue = f.issues[k];
     out += "  strand " + std::to_string(issue.strand) + (issue.dropped ? " dropped: " : " repaired: ") + issue.reason +
            "\n";
   }
+  if (f.dropped + f.repaired > kNamed) out += "  and " + std::to_string(f.dropped + f.repaired - kNamed) + " more\n";
   for (const std::string& text : f.remarks) out += "note: " + text + "\n";
   return out;
 }
@@ -244,7 +240,7 @@ std::string to_json(const HairFacts& f) {
       {"length_m", json_of(f.length_m)},
       {"spacing_m", json_of(f.spacing_m)},
       {"unevenness", f.uneven},
-      {"root_spacing_m", json_of(f.root_spacing_m)},
+      {"root_spacing_m", f.root_spacing_m ? json_of(*f.root_spacing_m) : nlohmann::json()},
       {"diameter_m", json_of(f.diameter_m)},
       {"diameter_from_file", f.diameter_from_file},
       {"opacity", f.opacity},
@@ -253,6 +249,8 @@ std::string to_json(const HairFacts& f) {
       {"repeated_roots", f.repeated_roots},
       {"repeated_strands", f.repeated_strands},
       {"short_strands", f.short_strands},
+      {"dropped", f.dropped},
+      {"repaired", f.repaired},
       {"issues", issues},
       {"notes", f.remarks},
   };

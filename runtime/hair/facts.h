@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,11 @@ struct HairFacts {
   bool coloured = false;
   float opacity = kDefaultOpacity;
   bool opacity_from_file = false;
-  Spread root_spacing_m;                                 // from each root to the nearest other
+  std::optional<Spread> root_spacing_m;                  // from each root to the nearest other, where there is one
   std::size_t repeated_roots = 0, repeated_strands = 0;  // at the place of an earlier one
   std::vector<std::size_t> short_strands;                // kept strands shorter than 1 % of the mean (their index here)
-  std::vector<StrandIssue> issues;                       // of the reader
+  std::size_t dropped = 0, repaired = 0;                 // by the reader
+  std::vector<StrandIssue> issues;                       // the first of them
   std::vector<std::string> remarks;                      // what looks implausible, in words
 };
 

@@ -98,6 +98,11 @@ std::vector<std::uint32_t> read_offsets(const Header& h, Bytes bytes, const std:
   return offsets;
 }
 
+template <class T>
+bool all_equal(const std::vector<T>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+}
+
 bool is_initial_value(glm::vec3 c) {
   return c == glm::vec3(0.0F) || c == glm::vec3(1.0F);
 }
@@ -123,10 +128,6 @@ std::vector<std::uint16_t> segments_per_strand(const Strands& strands, const std
     segments.push_back(static_cast<std::uint16_t>(vertices - 1));
   }
   return segments;
-}
-
-bool all_equal(const std::vector<std::uint16_t>& values) {
-  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
 }
 
 std::array<char, kHeaderBytes> make_header(const Strands& strands, std::uint32_t bits, std::uint32_t default_segments,
@@ -181,11 +182,14 @@ RawHair decode_hair(Bytes bytes, const std::string& where) {
   }
   if (h.transparency != 0) raw.opacity = 1.0F - h.transparency;  // 0 is also what a writer leaves that has none
   if ((h.bits & kTransparency) != 0 && h.points > 0) {
-    raw.opacity = mean_opacity(load_array<float>(bytes, at, h.points));
+    const std::vector<float> transparency = load_array<float>(bytes, at, h.points);
+    raw.opacity = mean_opacity(transparency);
+    if (!all_equal(transparency))
+      raw.notes.push_back("transparency of " + counted(h.points, "point") + " averaged to one for the file");
     at += 4 * h.points;
   }
   if ((h.bits & kColour) != 0) {
-    raw.colours = mean_per_strand(load_array<glm::vec3>(bytes, at, h.points), raw.offsets);
+    append_colours(raw, load_array<glm::vec3>(bytes, at, h.points));
     at += 12 * h.points;
   } else if (!is_initial_value(h.colour)) {
     raw.colours.assign(h.strands, h.colour);

@@ -1,9 +1,11 @@
 // OBJ polylines: `v` lines, then `l` lines, one per strand. Colours as Blender and MeshLab have them: `v x y z r g b`.
-// Polygons and the rest are ignored. Blender writes the edges of a mesh as one `l a b` each: those that continue each
-// other, line after line, are joined. A strand's own vertices are written, root first, never shared.
+// Polygons and the rest are ignored. Blender writes the edges of a mesh as one `l a b` each: those that stand together
+// in the file and form a chain are joined, in whatever order (edge_chains.h). A strand's own vertices are written, root
+// first, never shared.
 #include <algorithm>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/hair/edge_chains.h"
 #include "pelage/hair/hair_formats.h"
 #include "pelage/hair/text_words.h"
 
@@ -14,16 +16,17 @@ constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 
 class PolylineParser {
  public:
-  PolylineParser(Bytes bytes, const std::string& where) : lines_(as_text(bytes)), where_(where) {}
+  PolylineParser(Bytes bytes, const std::string& where) : lines_(text_of(bytes)), where_(where) {}
 
   RawHair run() {
     raw_.format = "OBJ polylines";
     while (!lines_.at_end()) parse_line(Words(lines_.next()));
-    end_open_strand();
+    end_edges();
     if (raw_.offsets.size() == 1) refuse_without_lines();
-    if (joined_ > 0) raw_.notes.push_back(std::to_string(joined_) + " edges joined to the one before");
+    if (joined_ > 0) raw_.notes.push_back(std::to_string(joined_) + " edges joined to others");
+    if (texture_vertices_ && textured_ > 0) raw_.notes.push_back(texture_note(textured_));
     if (polygons_ > 0) raw_.notes.push_back(std::to_string(polygons_) + " polygons ignored");
-    if (coloured_) raw_.colours = mean_per_strand(point_colours_, raw_.offsets);
+    if (coloured_) append_colours(raw_, point_colours_);
     return std::move(raw_);
   }
 
@@ -40,10 +43,11 @@ class PolylineParser {
 
   void parse_line(Words words) {
     const std::string_view keyword = words.next();
+    if (keyword != "l" && !keyword.empty()) end_edges();  // only those that stand together are joined
     if (keyword == "v") parse_vertex(words);
     if (keyword == "l") parse_polyline(words);
     if (keyword == "f") ++polygons_;
-    if (keyword != "l" && !keyword.empty()) last_index_ = kNone;  // only lines in a row are joined
+    if (keyword == "vt") texture_vertices_ = true;
   }
 
   void parse_vertex(Words& words) {
@@ -79,35 +83,42 @@ class PolylineParser {
 
   void parse_polyline(Words& words) {
     indices_.clear();
-    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    bool textured = false;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       indices_.push_back(vertex_index(word));
+      textured = textured || word.find('/') != std::string_view::npos;
+    }
     if (indices_.empty()) refuse("an `l` line without vertices");
-    const bool edge = indices_.size() == 2;
-    const bool continues = edge && indices_.front() == last_index_;
-    if (continues) ++joined_;
-    if (!continues) end_open_strand();
-    for (auto i = indices_.begin() + (continues ? 1 : 0); i != indices_.end(); ++i) append(*i);
-    last_index_ = edge ? indices_.back() : kNone;
+    if (textured) ++textured_;
+    if (indices_.size() == 2) return edges_.push_back({indices_[0], indices_[1]});
+    end_edges();
+    append(indices_);
   }
 
-  void append(std::size_t vertex) {
-    raw_.points.push_back(vertices_[vertex]);
-    if (coloured_) point_colours_.push_back(vertex_colours_[vertex]);
+  void append(std::span<const std::size_t> strand) {
+    for (const std::size_t vertex : strand) {
+      raw_.points.push_back(vertices_[vertex]);
+      if (coloured_) point_colours_.push_back(vertex_colours_[vertex]);
+    }
+    end_strand(raw_, where_);
   }
 
-  void end_open_strand() {
-    if (raw_.points.size() > raw_.offsets.back()) end_strand(raw_, where_);
+  void end_edges() {
+    if (edges_.empty()) return;
+    const std::size_t before = raw_.offsets.size();
+    for_each_chain(edges_, [&](std::span<const std::size_t> chain) { append(chain); });
+    joined_ += edges_.size() - (raw_.offsets.size() - before);
+    edges_.clear();
   }
 
-  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
-  Lines lines_;
+  ObjLines lines_;
   const std::string& where_;
   std::vector<glm::vec3> vertices_, vertex_colours_, point_colours_;
   std::vector<std::size_t> indices_;  // of the line
-  std::size_t last_index_ = kNone;    // where an edge could be continued
+  std::vector<Edge> edges_;           // that stand together, not strands yet
   std::size_t joined_ = 0, polygons_ = 0;
-  bool coloured_ = false;
+  std::size_t textured_ = 0;  // `l` lines with texture coordinates
+  bool coloured_ = false, texture_vertices_ = false;
   RawHair raw_;
 };
 

@@ -196,14 +196,17 @@ class BodyParser {
     require_strands();
     for (const Element& element : header_.elements) read_element(element);
     split();
-    if (!colours_.empty()) raw_.colours = mean_per_strand(colours_, raw_.offsets);
+    append_notes();
+    if (!colours_.empty()) append_colours(raw_, colours_);
     return std::move(raw_);
   }
 
  private:
-  enum Slot { kX, kY, kZ, kRed, kGreen, kBlue, kThickness, kSegments, kSlots };
-  static constexpr std::string_view kNames[kSlots] = {"x", "y", "z", "red", "green", "blue", "thickness", "nsegs"};
+  enum Slot { kX, kY, kZ, kRed, kGreen, kBlue, kAlpha, kThickness, kSegments, kSlots };
+  static constexpr std::string_view kNames[kSlots] = {"x",    "y",     "z",         "red",  "green",
+                                                      "blue", "alpha", "thickness", "nsegs"};
   static constexpr std::size_t kIgnored = kSlots;
+  static constexpr std::string_view kTexture[] = {"s", "t", "u", "v", "texture_u", "texture_v"};
 
   const Element* find(std::string_view name) const {
     const auto it = std::find_if(header_.elements.begin(), header_.elements.end(),
@@ -265,16 +268,24 @@ class BodyParser {
       colours_.emplace_back(to_float(row[kRed] / colour_scale_), to_float(row[kGreen] / colour_scale_),
                             to_float(row[kBlue] / colour_scale_));
     }
+    if (alpha_ && row[kAlpha] != colour_scale_) ++translucent_;
     if (thick_) raw_.thickness.push_back(to_float(row[kThickness]));
   }
 
   void learn(const Element& element) {
     coloured_ = has(&element, kRed) && has(&element, kGreen) && has(&element, kBlue);
+    alpha_ = has(&element, kAlpha) && coloured_;
     thick_ = has(&element, kThickness);
     for (const Property& p : element.properties) {
+      if (std::find(std::begin(kTexture), std::end(kTexture), p.name) != std::end(kTexture)) textured_ = true;
       if (p.name == kNames[kRed] && p.type == Type::u8) colour_scale_ = 255.0;
       if (p.name == kNames[kRed] && p.type == Type::u16) colour_scale_ = 65'535.0;
     }
+  }
+
+  void append_notes() {
+    if (textured_) raw_.notes.push_back(texture_note(segments_.size()));
+    if (translucent_ > 0) raw_.notes.push_back("alpha of " + counted(translucent_, "vertex", "vertices") + " not read");
   }
 
   void take_strand(double segments) {
@@ -297,8 +308,9 @@ class BodyParser {
   Header header_;
   Scalars scalars_;
   const std::string& where_;
-  bool coloured_ = false, thick_ = false;
+  bool coloured_ = false, alpha_ = false, thick_ = false, textured_ = false;
   double colour_scale_ = 1.0;
+  std::size_t translucent_ = 0;  // vertices
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> segments_;
   RawHair raw_;

@@ -1,6 +1,7 @@
 // TFX 4 (AMD TressFX), binary: a 160-byte header with byte offsets, the same number of vertices in every strand. The
-// fourth component of a position flags pinned vertices (0) and is of no interest to the reader; texture coordinates are
-// not used. Written: the root pinned, positions, then thickness and colours where known; diameters are one per strand.
+// fourth component of a position flags pinned vertices (0); that others than the root are, and texture coordinates, are
+// not kept, which is told. Written: the root pinned, positions, then thickness and colours where known; diameters are
+// one per strand.
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec4.hpp>
@@ -18,6 +19,7 @@ struct Header {
   float version;
   std::uint64_t strands, vertices_per_strand;
   std::uint64_t positions, thickness, colours;  // byte offsets, 0: absent
+  bool textured = false;
 };
 
 Header read_header(Bytes bytes, const std::string& where) {
@@ -26,7 +28,7 @@ Header read_header(Bytes bytes, const std::string& where) {
                                 ": truncated; fetch or export it again");
   }
   const auto word = [&](std::size_t offset) -> std::uint64_t { return load<std::uint32_t>(bytes, offset); };
-  return {load<float>(bytes, 0), word(4), word(8), word(12), word(24), word(28)};
+  return {load<float>(bytes, 0), word(4), word(8), word(12), word(24), word(28), word(16) != 0 || word(20) != 0};
 }
 
 /// `count` elements of `size` bytes at `offset` lie behind the header and inside the file. count < 2^32.
@@ -55,10 +57,12 @@ void check(const Header& h, std::uint64_t file_bytes, const std::string& where) 
   if (h.colours != 0) check_array("vertex colours", h.colours, vertices, 16, file_bytes, where);
 }
 
-glm::vec3 mean_rgb(std::span<const glm::vec4> colours) {
-  glm::dvec3 sum(0.0);
-  for (const glm::vec4& c : colours) sum += glm::dvec3(c.x, c.y, c.z);
-  return glm::vec3(sum / static_cast<double>(colours.size()));
+/// A writer pins the root of each strand again, and no other vertex.
+void note_pinned(std::span<const glm::vec4> positions, std::size_t vertices_per_strand, RawHair& raw) {
+  std::size_t pinned = 0;
+  for (std::size_t k = 0; k < positions.size(); ++k) pinned += k % vertices_per_strand != 0 && positions[k].w == 0.0F;
+  if (pinned > 0)
+    raw.notes.push_back(counted(pinned, "pinned vertex", "pinned vertices") + " behind the root not kept as such");
 }
 
 /// Vertices per strand. @throws OutputError naming the first strand that differs
@@ -132,8 +136,9 @@ RawHair decode_tfx(Bytes bytes, const std::string& where) {
   const std::size_t n = h.vertices_per_strand;
   RawHair raw;
   raw.format = "TFX 4";
-  for (const glm::vec4& p : load_array<glm::vec4>(bytes, h.positions, h.strands * n))
-    raw.points.emplace_back(p.x, p.y, p.z);
+  const std::vector<glm::vec4> positions = load_array<glm::vec4>(bytes, h.positions, h.strands * n);
+  raw.points.assign(positions.begin(), positions.end());
+  note_pinned(positions, n, raw);
   for (std::size_t i = 1; i <= h.strands; ++i) raw.offsets.push_back(static_cast<std::uint32_t>(i * n));
   if (h.thickness != 0) {
     for (const float t : load_array<float>(bytes, h.thickness, h.strands))
@@ -141,13 +146,14 @@ RawHair decode_tfx(Bytes bytes, const std::string& where) {
   }
   if (h.colours != 0) {
     const std::vector<glm::vec4> colours = load_array<glm::vec4>(bytes, h.colours, h.strands * n);
-    for (std::size_t i = 0; i < h.strands; ++i) raw.colours.push_back(mean_rgb({colours.data() + i * n, n}));
+    append_colours(raw, {colours.begin(), colours.end()});
   }
+  if (h.textured) raw.notes.push_back(texture_note(h.strands));
   return raw;
 }
 
 std::string encode_tfx(const Strands& strands, Output& output) {
-  Header h{4.0F, strands.count(), equal_vertices(strands, output.where), kHeaderBytes, 0, 0};
+  Header h{4.0F, strands.count(), equal_vertices(strands, output.where), kHeaderBytes, 0, 0, false};
   const std::uint64_t vertices = strands.vertices.size();
   std::uint64_t end = h.positions + 16 * vertices;
   if (has_diameters(strands)) {

@@ -9,7 +9,7 @@ namespace {
 
 class TfxTextParser {
  public:
-  TfxTextParser(Bytes bytes, const std::string& where) : lines_(as_text(bytes)), where_(where) {}
+  TfxTextParser(Bytes bytes, const std::string& where) : lines_(text_of(bytes)), where_(where) {}
 
   RawHair run() {
     raw_.format = "TFX 2";
@@ -19,6 +19,7 @@ class TfxTextParser {
       throw InputError(where_, "TFX 2 text says " + std::to_string(promised_) + " strands and holds " +
                                    std::to_string(found) + ": truncated; fetch or export it again");
     }
+    if (textured_ > 0) raw_.notes.push_back(texture_note(textured_));
     return std::move(raw_);
   }
 
@@ -64,6 +65,7 @@ class TfxTextParser {
     words.next();  // its index
     if (words.next() != "numVerts") refuse("a strand without numVerts");
     const std::uint64_t vertices = count(words.next());
+    if (words.next() == "texcoord") ++textured_;
     for (std::uint64_t k = 0; k < vertices; ++k) {
       if (lines_.at_end()) refuse("ends inside strand " + std::to_string(raw_.offsets.size() - 1));
       parse_vertex(Words(lines_.next(), kSeparators));
@@ -85,6 +87,7 @@ class TfxTextParser {
   Lines lines_;
   const std::string& where_;
   std::uint64_t promised_ = 0;
+  std::size_t textured_ = 0;  // strands with texture coordinates
   RawHair raw_;
 };
 

@@ -13,6 +13,7 @@
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/hair_formats.h"
+#include "pelage/hair/input_file.h"
 #include "pelage/hair/text_words.h"
 #include "pelage/hair/usda_curves.h"
 #include "pelage/hair/usda_lexer.h"
@@ -45,6 +46,7 @@ class UsdaParser {
                            " BasisCurves prims ignored: freeze them before the export");
     if (animated_) raw_.notes.push_back("animated: its first time sample is taken");
     if (variants_) raw_.notes.push_back("variants ignored");
+    if (textured_ > 0) raw_.notes.push_back(texture_note(textured_));
     return std::move(raw_);
   }
 
@@ -63,12 +65,9 @@ class UsdaParser {
 
   void parse_unit() {
     lexer_.next();
-    const std::optional<float> metres = parse_float(lexer_.next().text);
-    if (!metres || !(*metres > 0.0F) || !(*metres <= 1e6F)) lexer_.refuse("metersPerUnit is no plausible number");
-    double value = 0;  // in full precision: 0.01 is no float
-    const std::string_view text = lexer_.last().text;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    raw_.metres_per_unit = value;
+    const std::optional<double> metres = parse_double(lexer_.next().text);  // 0.01 is no float
+    if (!metres || !is_unit(*metres)) lexer_.refuse("metersPerUnit is no plausible number");
+    raw_.metres_per_unit = *metres;
   }
 
   void parse_up() {
@@ -124,19 +123,23 @@ class UsdaParser {
   void close_curves() {
     if (moved_scopes_ > 0) ++moved_prims_;
     const std::size_t strands = raw_.offsets.size() - 1, points = raw_.points.size();
+    const bool coloured = !raw_.colours.empty(), thick = !raw_.thickness.empty();
     append_curves(*curves_, raw_, where_);
-    level(raw_.colours, strands, raw_.offsets.size() - 1);
-    level(raw_.thickness, points, raw_.points.size());
+    if (curves_->textured) textured_ += raw_.offsets.size() - 1 - strands;
+    level(raw_.colours, coloured, strands, raw_.offsets.size() - 1);
+    level(raw_.thickness, thick, points, raw_.points.size());
     curves_.reset();
     any_curves_ = true;
   }
 
-  /// Prims that differ in what they say: values that are missing are NaN, to be repaired from the others.
+  /// Prims that differ in what they say: values that are missing are NaN, to be repaired from the others. The last prim
+  /// made `now` of `before`; whether any prim had values earlier says whose are missing, its own or those of all
+  /// others.
   template <class T>
-  static void level(std::vector<T>& values, std::size_t before, std::size_t now) {
-    if (values.empty() || values.size() == now) return;
+  static void level(std::vector<T>& values, bool earlier, std::size_t before, std::size_t now) {
+    if (values.empty()) return;
     const T none(std::numeric_limits<float>::quiet_NaN());
-    if (values.size() + before == now) values.insert(values.begin(), before, none);  // these are the first
+    if (!earlier) values.insert(values.begin(), before, none);
     values.resize(now, none);
   }
 
@@ -154,6 +157,8 @@ class UsdaParser {
       lexer_.refuse("a property without a name");
     if (name.starts_with("xformOp:")) mark_moved();
     if (!scopes_.back().curves) return lexer_.skip_value_and_metadata();
+    if (lexer_.peek().is('=') && (token.text.starts_with("texCoord") || name == "primvars:groom_root_uv"))
+      curves_->textured = true;
     parse_curves_property(name, *curves_);
   }
 
@@ -256,6 +261,7 @@ class UsdaParser {
   std::optional<CurvesPrim> curves_;  // the open BasisCurves prim
   bool any_curves_ = false, animated_ = false, variants_ = false;
   std::size_t moved_scopes_ = 0, moved_prims_ = 0;
+  std::size_t textured_ = 0;  // curves of prims with texture coordinates
   RawHair raw_;
 };
 
@@ -312,7 +318,7 @@ std::vector<glm::vec3> extent(const Strands& strands) {
 }  // namespace
 
 RawHair decode_usda(Bytes bytes, const std::string& where) {
-  const std::string_view text = as_text(bytes);
+  const std::string_view text = text_of(bytes);
   if (!text.starts_with("#usda")) throw InputError(where, "does not start with #usda: no USD text; export it again");
   return UsdaParser(text, where).run();
 }

@@ -77,6 +77,8 @@ class Cleaner {
 
   Strands run() {
     for (std::size_t i = 0; i + 1 < raw_.offsets.size(); ++i) add(i);
+    if (clamped_colours_ > 0)
+      report_.notes.push_back("colours of " + counted(clamped_colours_, "strand") + " clamped to 0 to 1");
     return std::move(strands_);
   }
 
@@ -121,17 +123,25 @@ class Cleaner {
     if (raw_.colours.empty()) return;
     const bool good = is_colour(raw_.colours[i]);
     strands_.colours.push_back(good ? glm::clamp(raw_.colours[i], 0.0F, 1.0F) : mean_colour_);
+    if (good && strands_.colours.back() != raw_.colours[i]) ++clamped_colours_;
     if (!good) repair(i, "colour that is no number replaced by the mean of the others");
   }
 
-  void drop(std::size_t i, std::string reason) { report_.issues.push_back({i, true, std::move(reason)}); }
-  void repair(std::size_t i, std::string reason) { report_.issues.push_back({i, false, std::move(reason)}); }
+  void drop(std::size_t i, std::string reason) { list(report_.dropped_unlisted, {i, true, std::move(reason)}); }
+  void repair(std::size_t i, std::string reason) { list(report_.repaired_unlisted, {i, false, std::move(reason)}); }
+  void list(std::size_t& unlisted, StrandIssue issue) {
+    if (report_.issues.size() < kMaxIssues)
+      report_.issues.push_back(std::move(issue));
+    else
+      ++unlisted;
+  }
 
   const RawHair& raw_;
   const ReadOptions& options_;
   ReadReport& report_;
   float mean_thickness_;
   glm::vec3 mean_colour_;
+  std::size_t clamped_colours_ = 0;
   Strands strands_;
 };
 
@@ -195,13 +205,22 @@ ReadOptions settle_frame(const RawHair& raw, ReadOptions options, ReadReport& re
   return options;
 }
 
-/// The decoder's repairs and the cleaner's, each in order of strand, as one list.
-void merge_repairs(std::vector<StrandIssue> repairs, std::vector<StrandIssue>& issues) {
+/// The decoder's repairs and the cleaner's issues, each in order of strand, as one list of at most kMaxIssues.
+void merge_repairs(std::vector<StrandIssue> repairs, ReadReport& report) {
+  std::vector<StrandIssue>& issues = report.issues;
   const auto middle = static_cast<std::ptrdiff_t>(repairs.size());
   repairs.insert(repairs.end(), issues.begin(), issues.end());
   std::inplace_merge(repairs.begin(), repairs.begin() + middle, repairs.end(),
                      [](const StrandIssue& a, const StrandIssue& b) { return a.strand < b.strand; });
   issues = std::move(repairs);
+  for (; issues.size() > kMaxIssues; issues.pop_back())
+    ++(issues.back().dropped ? report.dropped_unlisted : report.repaired_unlisted);
+}
+
+/// Why the first strand that was dropped was.
+std::string first_drop(const ReadReport& report) {
+  const auto it = std::find_if(report.issues.begin(), report.issues.end(), [](const auto& s) { return s.dropped; });
+  return it == report.issues.end() ? "" : ", strand " + std::to_string(it->strand) + ": " + it->reason;
 }
 
 }  // namespace
@@ -210,14 +229,17 @@ Strands clean(const RawHair& raw, const ReadOptions& given, const std::string& w
   report.format = raw.format;
   report.strands_in_file = raw.offsets.size() - 1;
   report.notes = raw.notes;
+  if (raw.varying_colours > 0) {
+    report.notes.push_back("per-point colours averaged to one per strand: they vary along " +
+                           counted(raw.varying_colours, "strand"));
+  }
   const ReadOptions options = settle_frame(raw, given, report);
   report.metres_per_unit = options.metres_per_unit;
   Strands strands = Cleaner(raw, options, report).run();
-  merge_repairs(raw.repairs, report.issues);
+  merge_repairs(raw.repairs, report);
   if (strands.count() == 0) {
-    const std::string why = report.issues.empty() ? "" : ", strand 0: " + report.issues.front().reason;
-    throw InputError(where,
-                     "no usable strand among " + std::to_string(report.strands_in_file) + why + ": export it again");
+    throw InputError(where, "no usable strand among " + std::to_string(report.strands_in_file) + first_drop(report) +
+                                ": export it again");
   }
   const double median_m = median_length_m(strands);
   const std::string doubt = implausible_unit(median_m, options.metres_per_unit);

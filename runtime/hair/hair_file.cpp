@@ -1,7 +1,6 @@
 #include "pelage/hair/hair_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "pelage/hair/hair_clean.h"
 #include "pelage/hair/hair_formats.h"
 #include "pelage/hair/input_file.h"
+#include "pelage/hair/text_words.h"
 
 namespace pelage::hair {
 namespace {
@@ -53,10 +53,14 @@ bool is_usable(glm::vec3 p) noexcept {
   return std::abs(p.x) <= kMaxCoordinate_m && std::abs(p.y) <= kMaxCoordinate_m && std::abs(p.z) <= kMaxCoordinate_m;
 }
 
+bool is_unit(double metres) noexcept {
+  return metres >= 1e-12 && metres <= 1e6;
+}
+
 void check_options(const ReadOptions& options) {
-  if (options.metres_per_unit > 0 && options.metres_per_unit <= 1e6) return;
+  if (is_unit(options.metres_per_unit)) return;
   throw UsageError("unit of " + text(options.metres_per_unit) +
-                   " m: give m, cm, mm, in or a positive number of metres");
+                   " m: give m, cm, mm, in or a number of metres from 1e-12 to 1e6");
 }
 
 std::vector<std::byte> read_bytes(const fs::path& file) {
@@ -71,22 +75,21 @@ std::vector<std::byte> read_bytes(const fs::path& file) {
 }
 
 std::size_t ReadReport::dropped() const noexcept {
-  return count_issues(issues, true);
+  return count_issues(issues, true) + dropped_unlisted;
 }
 std::size_t ReadReport::repaired() const noexcept {
-  return count_issues(issues, false);
+  return count_issues(issues, false) + repaired_unlisted;
 }
 
 double parse_unit(std::string_view unit) {
   for (const NamedUnit& u : kUnits) {
     if (unit == u.name) return u.metres;
   }
-  double metres = 0;
-  const auto [end, error] = std::from_chars(unit.data(), unit.data() + unit.size(), metres);
-  if (error != std::errc{} || end != unit.data() + unit.size() || !(metres > 0) || !(metres <= 1e6)) {
-    throw UsageError("unit \"" + std::string(unit) + "\": give m, cm, mm, in or a positive number of metres per unit");
+  const std::optional<double> metres = parse_double(unit);
+  if (!metres || !is_unit(*metres)) {
+    throw UsageError("unit \"" + std::string(unit) + "\": give m, cm, mm, in or metres per unit from 1e-12 to 1e6");
   }
-  return metres;
+  return *metres;
 }
 
 UpAxis parse_up_axis(std::string_view axis) {

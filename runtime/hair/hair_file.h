@@ -46,15 +46,18 @@ struct StrandIssue {
   std::string reason;
 };
 
+constexpr std::size_t kMaxIssues = 10'000;  // that are kept one by one: a file of rubbish has millions
+
 struct ReadReport {
   std::string format;  // "HAIR", "TFX 4", ...
   std::size_t strands_in_file = 0;
-  std::vector<StrandIssue> issues{};  // in order of strand
-  std::vector<std::string> notes{};   // about the file as a whole, e.g. a thickness that was not believed
-  std::optional<float> opacity{};     // of a fibre, in (0, 1], where the file says so
-  double metres_per_unit = 1.0;       // as used: the option's, or the file's own
+  std::vector<StrandIssue> issues{};                        // in order of strand, the first kMaxIssues
+  std::size_t dropped_unlisted = 0, repaired_unlisted = 0;  // those behind them
+  std::vector<std::string> notes{};  // about the file as a whole: what was not believed, not read, not kept
+  std::optional<float> opacity{};    // of a fibre, in (0, 1], where the file says so
+  double metres_per_unit = 1.0;      // as used: the option's, or the file's own
 
-  std::size_t dropped() const noexcept;
+  std::size_t dropped() const noexcept;  // all of them
   std::size_t repaired() const noexcept;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <string_view>
 
@@ -19,13 +20,13 @@ bool is_tfx(Bytes bytes) {
   return bytes.size() >= 4 && load<float>(bytes, 0) == 4.0F;
 }
 bool is_tfx_text(Bytes bytes) {
-  return as_text(bytes).starts_with("version");
+  return text_of(bytes).starts_with("version");
 }
 bool is_ply(Bytes bytes) {
   return as_text(bytes).starts_with("ply");
 }
 bool is_usda(Bytes bytes) {
-  return as_text(bytes).starts_with("#usda");
+  return text_of(bytes).starts_with("#usda");
 }
 
 constexpr unsigned kAll = kColours | kDiameters | kOpacity;
@@ -46,6 +47,8 @@ struct KnownFormat {
 };
 constexpr std::string_view kPlain = "convert it to one of the formats that are read";
 constexpr KnownFormat kRefused[] = {
+    {"SQLite format 3", "an HRIR database (SQLite), no hair,",
+     "give the hair file or hairstyle that it is to be used for"},
     {"Ogawa", "Alembic", "export the curves as .usda or .obj"},
     {"\x89HDF", "Alembic (HDF5)", "export the curves as .usda or .obj"},
     {"PXR-USDC", "binary USD", "save it as text: usdcat -o FILE.usda"},
@@ -82,6 +85,7 @@ const Format* by_extension(const std::string& extension, bool to_write) {
 }  // namespace
 
 const Format& format_of(Bytes bytes, const std::string& where) {
+  if (bytes.empty()) throw InputError(where, "the file is empty: fetch or export it again");
   for (const Format& format : kFormats) {
     if (format.recognise != nullptr && format.recognise(bytes)) return format;
   }
@@ -92,7 +96,8 @@ const Format& format_of(Bytes bytes, const std::string& where) {
   }
   const std::string extension = extension_of(where);
   if (extension == ".tfxbone") {
-    throw InputError(where, "holds the bone weights of a .tfx file, no hair: give the .tfx file beside it");
+    throw InputError(
+        where, "holds the bone weights of a .tfx file (pelage info shows them), no hair: give the .tfx file beside it");
   }
   if (extension == ".tfxmesh") {
     throw InputError(where, "holds the collision mesh of a .tfx file, no hair: give the .tfx file beside it");
@@ -116,15 +121,29 @@ void end_strand(RawHair& raw, const std::string& where) {
   raw.offsets.push_back(static_cast<std::uint32_t>(raw.points.size()));
 }
 
-std::vector<glm::vec3> mean_per_strand(const std::vector<glm::vec3>& per_point,
-                                       const std::vector<std::uint32_t>& offsets) {
-  std::vector<glm::vec3> colours;
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k) sum += glm::dvec3(per_point[k]);
-    colours.emplace_back(sum / static_cast<double>(offsets[i + 1] - offsets[i]));
+void append_colour(RawHair& raw, std::span<const glm::vec3> of_its_points) {
+  glm::dvec3 sum(0.0);
+  bool varies = false;
+  for (const glm::vec3& c : of_its_points) {
+    sum += glm::dvec3(c);
+    varies = varies || c != of_its_points.front();
   }
-  return colours;
+  raw.colours.emplace_back(sum / static_cast<double>(of_its_points.size()));
+  const glm::vec3 mean = raw.colours.back();
+  if (varies && std::isfinite(mean.x + mean.y + mean.z)) ++raw.varying_colours;
+}
+
+void append_colours(RawHair& raw, const std::vector<glm::vec3>& per_point) {
+  for (std::size_t i = 0; i + 1 < raw.offsets.size(); ++i)
+    append_colour(raw, std::span(per_point).subspan(raw.offsets[i], raw.offsets[i + 1] - raw.offsets[i]));
+}
+
+std::string counted(std::size_t n, const std::string& singular, const std::string& plural) {
+  return std::to_string(n) + " " + (n == 1 ? singular : plural.empty() ? singular + "s" : plural);
+}
+
+std::string texture_note(std::size_t strands) {
+  return "texture coordinates not read: of " + counted(strands, "strand");
 }
 
 }  // namespace pelage::hair

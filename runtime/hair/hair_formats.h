@@ -22,6 +22,7 @@ struct RawHair {
   std::vector<glm::vec3> points;          // [points]
   std::vector<float> thickness;           // [points], or empty: default_thickness for all, 0 where unknown
   std::vector<glm::vec3> colours;         // [strands] or empty
+  std::size_t varying_colours = 0;        // strands whose points had different ones
   float default_thickness = 0.0F;
   std::optional<float> opacity{};  // as the file has it: may be NaN or out of range
   std::vector<std::string> notes{};
@@ -77,9 +78,17 @@ std::string encode_usda(const Strands&, Output&);
 /// Ends the strand whose points were appended last. @throws InputError beyond 2^32 points, which Strands cannot count
 void end_strand(RawHair& raw, const std::string& where);
 
-/// One colour per strand: its points' mean. A strand with a point that has none (NaN) is repaired later.
-std::vector<glm::vec3> mean_per_strand(const std::vector<glm::vec3>& per_point,
-                                       const std::vector<std::uint32_t>& offsets);
+/// Gives the next strand one colour, the mean of its points'; NaN where one of them has none, to be repaired later.
+void append_colour(RawHair& raw, std::span<const glm::vec3> of_its_points);
+
+/// The same for all strands, from a colour for each of raw.points.
+void append_colours(RawHair& raw, const std::vector<glm::vec3>& per_point);
+
+/// "1 strand", "2 strands"
+std::string counted(std::size_t n, const std::string& singular, const std::string& plural = {});
+
+/// "texture coordinates not read: of 2 strands"
+std::string texture_note(std::size_t strands);
 
 /// Diameter at a vertex [m], 0 where unknown.
 inline float diameter_at_m(const Strands& strands, std::size_t vertex) {

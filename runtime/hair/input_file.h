@@ -19,7 +19,10 @@ glm::vec3 to_metres(glm::vec3 p, const ReadOptions& options) noexcept;
 /// Finite and within 1000 km: farther out, squares of lengths lose all meaning in float.
 bool is_usable(glm::vec3 p) noexcept;
 
-/// @throws UsageError for a unit that is no positive number
+/// A number of metres that a unit may have: with others, coordinates would all be zero or infinite.
+bool is_unit(double metres) noexcept;
+
+/// @throws UsageError for a unit that is none
 void check_options(const ReadOptions& options);
 
 }  // namespace pelage::hair

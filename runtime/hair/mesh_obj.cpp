@@ -18,7 +18,7 @@ class ObjParser {
   ObjParser(const std::string& where, const ReadOptions& options) : where_(where), options_(options) {}
 
   Mesh run(std::string_view text) {
-    lines_ = Lines(text);
+    lines_ = ObjLines(text_of(std::as_bytes(std::span(text))));
     while (!lines_.at_end()) parse_line(lines_.next());
     if (mesh_.triangles.empty()) throw InputError(where_, "no polygon in it: give an OBJ mesh with v and f lines");
     compute_normals(mesh_);
@@ -75,7 +75,7 @@ class ObjParser {
 
   const std::string& where_;
   const ReadOptions& options_;
-  Lines lines_{std::string_view()};
+  ObjLines lines_{std::string_view()};
   Mesh mesh_;
 };
 

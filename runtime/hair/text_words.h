@@ -18,6 +18,13 @@ inline std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// The same without the byte order mark that some editors put first.
+inline std::string_view text_of(std::span<const std::byte> bytes) {
+  std::string_view text = as_text(bytes);
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
 /// Takes words off the front of a line.
 class Words {
  public:
@@ -60,27 +67,72 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// The whole word as an integer that fits into T.
+/// Takes the statements of an OBJ off the front of a text: lines without `# comment`, those that end in a backslash
+/// with the line that continues them. A comment ends with its line, backslash or not.
+class ObjLines {
+ public:
+  explicit ObjLines(std::string_view text) : lines_(text) {}
+
+  bool at_end() const noexcept { return lines_.at_end(); }
+  std::size_t number() const noexcept { return lines_.number(); }  // of the last line of the statement, from 1
+
+  /// Valid until the next call.
+  std::string_view next() {
+    std::string_view line = without_comment(lines_.next());
+    if (!line.ends_with('\\')) return line;
+    whole_.clear();
+    for (; line.ends_with('\\'); line = lines_.at_end() ? std::string_view{} : without_comment(lines_.next())) {
+      line.remove_suffix(1);
+      whole_.append(line) += ' ';
+    }
+    return whole_.append(line);
+  }
+
+ private:
+  static std::string_view without_comment(std::string_view line) { return line.substr(0, line.find('#')); }
+
+  Lines lines_;
+  std::string whole_;  // of several lines
+};
+
+/// std::from_chars takes no '+'.
+inline std::string_view without_plus(std::string_view word) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+  return word;
+}
+
+/// The whole word as an integer that fits into T, a leading '+' allowed.
 template <class T>
 std::optional<T> parse_integer(std::string_view word) {
+  word = without_plus(word);
   T value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
   return value;
 }
 
-/// The whole word as a number: decimal, "inf", "nan", a leading '+' allowed. What float cannot hold becomes infinity or
-/// zero, as rounding has it.
-inline std::optional<float> parse_float(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+/// The whole word as a number of type T: decimal, "inf", "nan", a leading '+' allowed. What T cannot hold becomes
+/// infinity or zero, as rounding has it.
+template <class T>
+std::optional<T> parse_real(std::string_view word) {
+  word = without_plus(word);
   const char* const last = word.data() + word.size();
-  float value = 0;
+  T value = 0;
   const auto [end, error] = std::from_chars(word.data(), last, value);
   if (end != last || error == std::errc::invalid_argument) return std::nullopt;
   if (error == std::errc{}) return value;
-  const bool tiny = word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos;
-  const float size = tiny ? 0.0F : std::numeric_limits<float>::infinity();
+  const std::size_t exponent = std::min(word.find_first_of("eE"), word.size());
+  const bool whole_digits =
+      word.substr(0, std::min(word.find('.'), exponent)).find_first_of("123456789") != std::string_view::npos;
+  const bool tiny = exponent < word.size() ? word.substr(exponent + 1).starts_with('-') : !whole_digits;
+  const T size = tiny ? T(0) : std::numeric_limits<T>::infinity();
   return word.starts_with('-') ? -size : size;
+}
+inline std::optional<float> parse_float(std::string_view word) {
+  return parse_real<float>(word);
+}
+inline std::optional<double> parse_double(std::string_view word) {
+  return parse_real<double>(word);
 }
 
 template <class T>

@@ -66,6 +66,9 @@ class CurvesReader {
     settle(*colour_, 3, "colours");
     if (prim_.opacity.interpolation == "constant" && prim_.opacity.values.size() == 1)
       raw_.opacity = prim_.opacity.values.front();
+    else if (!prim_.opacity.values.empty())
+      raw_.notes.push_back("opacity ignored: " + std::to_string(prim_.opacity.values.size()) +
+                           " values, one for all is read");
   }
 
   std::size_t values_for(std::string_view interpolation) const {
@@ -163,9 +166,9 @@ class CurvesReader {
       first = colour_at_;
       colour_at_ += n;
     }
-    glm::dvec3 sum(0.0);
-    for (std::size_t k = first; k < first + n; ++k) sum += glm::dvec3(at(k));
-    raw_.colours.emplace_back(sum / static_cast<double>(n));
+    colours_.clear();
+    for (std::size_t k = first; k < first + n; ++k) colours_.push_back(at(k));
+    append_colour(raw_, colours_);
   }
 
   CurvesPrim& prim_;
@@ -173,7 +176,8 @@ class CurvesReader {
   const std::string& where_;
   Basis basis_ = Basis::bezier;
   Primvar* colour_ = nullptr;
-  std::size_t colour_at_ = 0;  // of the varying colours
+  std::size_t colour_at_ = 0;       // of the varying colours
+  std::vector<glm::vec3> colours_;  // of one curve's points
 };
 
 }  // namespace

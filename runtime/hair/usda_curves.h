@@ -23,6 +23,7 @@ struct CurvesPrim {
   std::vector<float> points;  // 3 per point
   Primvar widths{{}, "vertex"}, widths_primvar{{}, "constant"};
   Primvar display_colour{{}, "constant"}, groom_colour{{}, "constant"}, opacity{{}, "constant"};
+  bool textured = false;  // has texture coordinates
   std::string type = "cubic", basis = "bezier", wrap = "nonperiodic";
 };
 

@@ -1,4 +1,5 @@
 // pelage convert as a user runs it: what it prints, what it refuses, and that a failed run leaves the earlier output.
+// And info and groom of hair files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,6 +33,140 @@ TEST(Convert, SaysWhatWasRepairedDroppedAndLost) {
   EXPECT_EQ(parsed["strands"], 3);
   EXPECT_EQ(parsed["issues"][0]["strand"], 2);
   EXPECT_TRUE(parsed["lost"].empty());
+}
+
+TEST(Convert, SaysWhatTheReaderDidNotKeep) {
+  const TemporaryFolder folder;
+  folder.write("a.obj", "v 0 0 0 1 0 0\nv 0 0.1 0 0 0 0\nl 1 2\n");
+  const std::string note = "per-point colours averaged to one per strand: they vary along 1 strand";
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"convert", "@a.obj", "@a.hair"}, {"info", "@a.obj"}}) {
+    EXPECT_THAT(run(folder, arguments).out, HasSubstr("note: " + note));
+    std::vector<std::string> as_json = arguments;
+    as_json.push_back("--json");
+    EXPECT_EQ(nlohmann::json::parse(run(folder, as_json).out)["notes"][0], note);
+  }
+}
+
+TEST(Convert, CountsAllBadStrandsAndListsTheFirst) {
+  const TemporaryFolder folder;
+  std::string text = "v 0 0 0\nv 0 0.1 0\nl 1 2\n";
+  for (int k = 0; k < 10'003; ++k) text += "o x\nl 1\n";
+  folder.write("a.obj", text);
+  const Result words = run(folder, {"convert", "@a.obj", "@a.hair"});
+  EXPECT_THAT(words.out, HasSubstr("10003 dropped, 0 repaired"));
+  EXPECT_THAT(words.out, HasSubstr("and 9993 more"));
+  const nlohmann::json json = nlohmann::json::parse(run(folder, {"convert", "@a.obj", "@a.hair", "--json"}).out);
+  EXPECT_EQ(json["dropped"], 10'003);
+  EXPECT_EQ(json["repaired"], 0);
+  EXPECT_EQ(json["issues"].size(), 10'000U);
+  const Result info = run(folder, {"info", "@a.obj"});
+  EXPECT_THAT(info.out, HasSubstr("dropped, repaired   10003, 0"));
+  EXPECT_THAT(info.out, HasSubstr("and 9991 more"));
+  EXPECT_EQ(nlohmann::json::parse(run(folder, {"info", "@a.obj", "--json"}).out)["dropped"], 10'003);
+}
+
+TEST(Convert, NamesDatabasesAndEmptyFiles) {
+  const TemporaryFolder folder;
+  folder.write("a.hrir", std::string("SQLite format 3\0", 16) + std::string(200, ' '));
+  folder.write("empty.hrir", "");
+  const Result database = run(folder, {"convert", "@a.hrir", "@a.hair"});
+  EXPECT_EQ(database.code, 4);
+  EXPECT_THAT(database.err, HasSubstr("HRIR database"));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"convert", "@empty.hrir", "@a.hair"}, {"info", "@empty.hrir"}}) {
+    const Result empty = run(folder, arguments);
+    EXPECT_EQ(empty.code, 4);
+    EXPECT_THAT(empty.err, HasSubstr("empty.hrir: the file is empty"));
+  }
+}
+
+TEST(Convert, MoreVerticesThanCanBeCountedAreRefused) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run(folder, {"groom", "--strands", "70000", "--vertices", "4", "-o", "@a.data"}).code, 0);
+  const Result result = run(folder, {"convert", "@a.data", "@b.data", "--resample", "65536"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("4587520000 vertices"));
+}
+
+TEST(Convert, TheUnitIsNamedWhereItIsTheTrouble) {
+  const TemporaryFolder folder;
+  folder.write("a.obj", kTwoStrands);
+  const Result result = run(folder, {"convert", "@a.obj", "@a.hair", "--unit", "1e-300"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("unit \"1e-300\""));
+}
+
+/// One bone, one strand whose weights sum to 0.5.
+std::string small_bones() {
+  std::string bytes;
+  const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const std::int32_t i : {1, 0, 5}) add(i);
+  bytes += std::string("head\0", 5);
+  for (const std::int32_t i : {1, 0}) add(i);
+  for (const float weight : {0.5F, 0.0F, 0.0F, 0.0F}) {
+    add(std::int32_t{0});
+    add(weight);
+  }
+  return bytes;
+}
+
+TEST(Info, ShowsBoneWeights) {
+  const TemporaryFolder folder;
+  folder.write("a.tfxbone", small_bones());
+  const Result text = run(folder, {"info", "@a.tfxbone"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  for (const char* part : {"bones               1", "strands             1", "0.5"})
+    EXPECT_THAT(text.out, HasSubstr(part));
+  const nlohmann::json json = nlohmann::json::parse(run(folder, {"info", "@a.tfxbone", "--json"}).out);
+  EXPECT_EQ(json["bones"], nlohmann::json::array({"head"}));
+  EXPECT_EQ(json["strands"], 1);
+  EXPECT_EQ(json["weight_sum_farthest_from_1"], 0.5);
+  folder.write("short.tfxbone", "abc");
+  EXPECT_EQ(run(folder, {"info", "@short.tfxbone"}).code, 4);
+}
+
+TEST(Info, RefusesOptionsOfHairForAnythingElse) {
+  const TemporaryFolder folder;
+  folder.write("a.hrir", std::string("SQLite format 3\0", 16));
+  folder.write("a.tfxbone", small_bones());
+  for (const std::string& file :
+       {kExamples + "three_locks.hairstyle.json", std::string("@a.hrir"), std::string("@a.tfxbone")}) {
+    for (const std::vector<std::string>& option :
+         {std::vector<std::string>{"--unit", "m"}, {"--up", "z"}, {"--curve", "bspline"}}) {
+      const Result result = run(folder, {"info", file, option[0], option[1]});
+      EXPECT_EQ(result.code, 2) << file;
+      EXPECT_THAT(result.err, HasSubstr(option[0]));
+    }
+  }
+}
+
+TEST(Groom, RefusesSeedsAndCountsThatAreNone) {
+  const TemporaryFolder folder;
+  for (const char* option : {"--seed", "--strands"}) {
+    for (const char* bad : {"-1", "1.5", "nan", "18446744073709551616"}) {
+      const Result result = run(folder, {"groom", option, bad, "-o", "@a.hair"});
+      EXPECT_EQ(result.code, 2) << option << bad << result.out;
+      EXPECT_THAT(result.err, HasSubstr(option));
+    }
+  }
+  const Result result = run(folder, {"groom", "--strands", "3", "--seed", "4294967296", "-o", "@a.hair", "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["seed"], 4294967296);
+}
+
+TEST(Groom, SaysWhichFileWasWritten) {
+  const TemporaryFolder folder;
+  const Result same = run(folder, {"groom", "--strands", "3", "-o", "@a.obj", "--head-out", "@./a.obj"});
+  EXPECT_EQ(same.code, 2) << same.err;
+  const std::vector<std::string> groom{
+      "-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" groom --strands 3 -o \"$1\" --head-out \"$2\"", PELAGE_PROGRAM,
+      "@a.hair", "@head.obj"};
+  const Result full = Child(folder, groom, {}, "/bin/sh").wait();  // the head has more than 64 blocks
+  EXPECT_EQ(full.code, 1);
+  EXPECT_THAT(full.err, HasSubstr("head.obj"));
+  EXPECT_THAT(full.err, HasSubstr("a.hair was written"));
+  EXPECT_EQ(run(folder, {"info", "@a.hair"}).code, 0);
 }
 
 TEST(Convert, AllRoundsTripToTheSameBytes) {

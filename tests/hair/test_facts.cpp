@@ -31,9 +31,24 @@ TEST(Facts, CountsAndSizes) {
   EXPECT_EQ(f.vertices, 33U);
   EXPECT_NEAR(f.length_m.median, 0.1, 1e-7);
   EXPECT_NEAR(f.spacing_m.max, 0.05, 1e-7);
-  EXPECT_NEAR(f.root_spacing_m.median, 0.01 * std::sqrt(3.0), 1e-7);
+  EXPECT_NEAR(f.root_spacing_m->median, 0.01 * std::sqrt(3.0), 1e-7);
   EXPECT_NEAR(f.box_max_m.x, 0.1F, 1e-7F);
   EXPECT_EQ(f.repeated_roots, 0U);
+}
+
+TEST(Facts, EveryRootHasItsNearest) {
+  Strands s;
+  for (const glm::vec3 root : {glm::vec3(0, 0, 0), {0, 0.01F, 0}, {1, 0, 0}})
+    s.append(std::vector<glm::vec3>{root, root - glm::vec3(0, 0.1F, 0)});
+  const std::string text = to_text(hair_facts(s, {}, 1.0));
+  EXPECT_THAT(text, HasSubstr("root spacing        min 10, 10% 10, median 10, 90% 1000, max 1000 mm")) << text;
+  EXPECT_EQ(nlohmann::json::parse(to_json(hair_facts(s, {}, 1.0)))["root_spacing_m"]["max"], 1.0);
+}
+
+TEST(Facts, ASingleStrandHasNoRootSpacing) {
+  const HairFacts f = hair_facts(hanging({0, -1, 0}, 1), {}, 1.0);
+  EXPECT_THAT(to_text(f), testing::Not(HasSubstr("root spacing")));
+  EXPECT_TRUE(nlohmann::json::parse(to_json(f))["root_spacing_m"].is_null());
 }
 
 TEST(Facts, GuessesTheUpAxisAndNamesShortAndRepeatedStrands) {

@@ -109,7 +109,9 @@ TEST(HairFile, RefusesOtherFormatsByName) {
   EXPECT_THAT(refusal(text("Ogawa\xFF"), {}, "x.abc"), HasSubstr("Alembic"));
   EXPECT_THAT(refusal(text("PXR-USDC"), {}, "x.usd"), HasSubstr("usdcat"));
   EXPECT_THAT(refusal(text("anything"), {}, "x.txt"), HasSubstr("none of the hair formats"));
-  EXPECT_THAT(refusal({}, {}, "x.hair"), HasSubstr("does not start with"));
+  EXPECT_THAT(refusal(text("nothing"), {}, "x.hair"), HasSubstr("does not start with"));
+  for (const char* name : {"x.hair", "x.hrir", "x.txt"}) EXPECT_THAT(refusal({}, {}, name), HasSubstr("empty")) << name;
+  EXPECT_THAT(refusal(text(std::string("SQLite format 3\0more", 20)), {}, "x.hair"), HasSubstr("HRIR database"));
   EXPECT_THAT(refusal(text("anything"), {}, "x.tfxbone"), HasSubstr("bone weights"));
   Bytes old = test::small_tfx();
   put(old, 0, 3.0F);
@@ -210,7 +212,10 @@ TEST(HairFile, UnitsAndUpAxis) {
   }
   EXPECT_EQ(parse_unit("in"), 0.0254);
   EXPECT_EQ(parse_unit("0.00254"), 0.00254);
-  for (const char* bad : {"", "ft", "nan", "inf", "-1", "0", "1x"}) EXPECT_THROW(parse_unit(bad), UsageError) << bad;
+  EXPECT_EQ(parse_unit("+1e-3"), 1e-3);
+  EXPECT_THROW(parse_hair(bytes, "x.hair", {.metres_per_unit = 1e-300}), UsageError);
+  for (const char* bad : {"", "ft", "nan", "inf", "-1", "0", "1x", "1e-300", "1e-13", "+-1", "1e7"})
+    EXPECT_THROW(parse_unit(bad), UsageError) << bad;
   EXPECT_THROW(parse_up_axis("w"), UsageError);
   EXPECT_THROW(parse_curve("bezier"), UsageError);
 }

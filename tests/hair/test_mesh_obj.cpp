@@ -27,6 +27,14 @@ TEST(MeshObj, TriangulatesPolygonsAndCountsBackwards) {
   for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(n.z, 1.0F, 1e-6F);
 }
 
+TEST(MeshObj, ReadsContinuedLinesCommentsAndAByteOrderMark) {
+  const Mesh mesh = parse_obj(
+      "\xEF\xBB\xBFv 0 0 0# C:\\\nv 1 0 \\\n 0\nv 1 1 0 # 9\nv 0 1 +0\nf 1 2 3 \\\r\n4 # the square\nf -4 -3 +3",
+      "x.obj");
+  EXPECT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
+}
+
 TEST(MeshObj, RefusesWithTheLine) {
   const auto refuses = [](const std::string& line) {
     EXPECT_THAT([&] { parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + line + "\nf 1 2 3\n", "x.obj"); },

@@ -215,6 +215,66 @@ TEST(Usda, PrimsThatSayLessAreRepairedFromTheOthersInAnyOrder) {
   }
 }
 
+TEST(Usda, ValuesStayWithThePrimThatHasThem) {
+  const auto prim = [](const char* x, const std::string& values) {
+    const std::string p = std::string("(") + x;
+    return "def BasisCurves \"c\" { uniform token type = \"linear\"\nint[] curveVertexCounts = [2]\npoint3f[] points = "
+           "[" +
+           p + ",0,0), " + p + ",.1,0)]\n" + values + "}\n";
+  };
+  const std::string values =
+      "color3f[] primvars:displayColor = [(.25, .5, 1)]\nfloat[] widths = [0.0001220703125, 0.0003662109375]\n";
+  const auto diameters_at = [](const Strands& s, float x) {
+    for (std::size_t i = 0; i < s.count(); ++i)
+      if (s.strand(i)[0].x == x)
+        return std::vector<float>(s.diameters_m.begin() + s.offsets[i], s.diameters_m.begin() + s.offsets[i + 1]);
+    return std::vector<float>{};
+  };
+  constexpr float d = 1.0F / 8192;
+  for (const bool first : {true, false}) {
+    const std::string text =
+        "#usda 1.0\n(metersPerUnit = 1)\n" + prim("1", first ? values : "") + prim("2", first ? "" : values);
+    ReadReport report;
+    const Strands s = read(text, &report);
+    EXPECT_EQ(diameters_at(s, first ? 1 : 2), (std::vector<float>{d, 3 * d})) << text;
+    EXPECT_EQ(diameters_at(s, first ? 2 : 1), (std::vector<float>{2 * d, 2 * d})) << text;  // the mean
+    ASSERT_EQ(report.repaired(), 2U);
+    for (const StrandIssue& issue : report.issues) EXPECT_EQ(issue.strand, first ? 1U : 0U);
+  }
+}
+
+TEST(Usda, ReadsNumbersWithAPlusAndRefusesWhatIsNone) {
+  const std::string end =
+      ")\ndef BasisCurves \"c\" {\nuniform token type = \"linear\"\n"
+      "int[] curveVertexCounts = [+2]\npoint3f[] points = [(0, 0, +10), (+0, 0, 2e+1)]\n}\n";
+  ReadReport report;
+  EXPECT_FLOAT_EQ(read("#usda 1.0\n(metersPerUnit = +0.01" + end, &report).vertices[1].z, 0.2F);
+  EXPECT_EQ(report.metres_per_unit, 0.01);
+  for (const char* bad : {"+-1", "++1", "+", "-+1", "1x", "0", "-1", "nan", "1e-300", "1e7"})
+    EXPECT_THAT(refusal(std::string("#usda 1.0\n(metersPerUnit = ") + bad + end), HasSubstr("metersPerUnit")) << bad;
+  for (const char* bad : {"(0, +-1, 0)", "(0, ++1, 0)", "(0, +, 0)"})
+    EXPECT_THAT(refusal(curves(std::string("point3f[] points = [") + bad + "]\n")), HasSubstr("is no number")) << bad;
+}
+
+TEST(Usda, TellsWhatIsAveragedOrNotRead) {
+  const std::string points =
+      "uniform token type = \"linear\"\nint[] curveVertexCounts = [2, 2]\n"
+      "point3f[] points = [(0,0,0), (0,.1,0), (1,0,0), (1,.1,0)]\n";
+  ReadReport report;
+  read(curves(points + "color3f[] primvars:displayColor = [(0,0,0), (.5,0,0), (1,1,1), (1,1,1)] "
+                       "(interpolation = \"vertex\")\ntexCoord2f[] primvars:st = [(0,0), (0,1)]\n"
+                       "float2[] primvars:groom_root_uv = [(0,0), (0,1)]\n"
+                       "float[] primvars:displayOpacity = [1, 0.5] (interpolation = \"uniform\")\n"),
+       &report);
+  EXPECT_THAT(report.notes,
+              testing::UnorderedElementsAre(HasSubstr("averaged to one per strand: they vary along 1 strand"),
+                                            HasSubstr("texture coordinates not read"), HasSubstr("opacity")));
+  read(curves(points + "color3f[] primvars:displayColor = [(0,0,0), (0,0,0), (1,1,1), (1,1,1)] "
+                       "(interpolation = \"vertex\")\n"),
+       &report);
+  EXPECT_THAT(report.notes, IsEmpty());
+}
+
 TEST(Usda, QuotesHideWhatIsInThem) {
   const std::string text = curves(
       "string a = \"x \\\" } ( # \"\nstring b = '} \\' \"'\nasset c = @} (@\n"
