@@ -11,6 +11,7 @@
 #include <set>
 #include <string_view>
 
+#include "pelage/hair/hair_formats.h"
 #include "pelage/hair/resample.h"
 
 namespace pelage::hair {
@@ -146,8 +147,7 @@ void remark(const Strands& strands, const ReadReport& report, double metres_per_
   } else if (facts.repeated_roots > 0) {
     facts.remarks.push_back(std::to_string(facts.repeated_roots) + " roots are at the place of an earlier one");
   }
-  if (facts.strands < 1000)
-    facts.remarks.push_back("only " + std::to_string(facts.strands) + " strands: guides, probably");
+  if (facts.strands < 1000) facts.remarks.push_back("only " + counted(facts.strands, "strand") + ": guides, probably");
 }
 
 void append_line(std::string& out, const char* name, const std::string& value) {

@@ -47,8 +47,6 @@ struct KnownFormat {
 };
 constexpr std::string_view kPlain = "convert it to one of the formats that are read";
 constexpr KnownFormat kRefused[] = {
-    {"SQLite format 3", "an HRIR database (SQLite), no hair,",
-     "give the hair file or hairstyle that it is to be used for"},
     {"Ogawa", "Alembic", "export the curves as .usda or .obj"},
     {"\x89HDF", "Alembic (HDF5)", "export the curves as .usda or .obj"},
     {"PXR-USDC", "binary USD", "save it as text: usdcat -o FILE.usda"},
@@ -86,6 +84,8 @@ const Format* by_extension(const std::string& extension, bool to_write) {
 
 const Format& format_of(Bytes bytes, const std::string& where) {
   if (bytes.empty()) throw InputError(where, "the file is empty: fetch or export it again");
+  if (as_text(bytes).starts_with("SQLite format 3"))
+    throw InputError(where, "is an HRIR database (SQLite), no hair: give a hair file; databases belong to --database");
   for (const Format& format : kFormats) {
     if (format.recognise != nullptr && format.recognise(bytes)) return format;
   }

@@ -121,6 +121,8 @@ def ply_corpus():
 def obj_strands_corpus():
     keep("obj_strands", "plain", "o hair\n" + "".join("v %g %g %g\n" % p for p in POINTS) + "l 1 2 3\nl 4 5\nl -4 -3 -2 -1\n")
     keep("obj_strands", "edges", "v 0 0 0 .5 .25 0\nv 0 .1 0 .5 .25 0\r\nv 0 .2 0\nl 1 2\nl 2 3\nf 1 2 3\n")
+    keep("obj_strands", "edges-in-any-order", "v 0 0 0\nv 0 .1 0\nv 0 .2 0\nv 0 .3 0\nvt 0 1\nl 3 4\nl 1/1 2/1\nl 2 3\nl 2 2\nv 1 1 1\nl 3 2\nl 2 1\nl 2 4\n")
+    keep("obj_strands", "continued-lines", "\ufeffv 0 0 0 # \\\nv 0 \\\n.1 \\\r\n+0\nl 1 \\\n2 # end\nl 1\\")
 
 
 def found_corpus():
