@@ -342,6 +342,19 @@ TEST(Database, RefusesScalesThatAreNotThoseOfItsRows) {
   EXPECT_THAT(message_of<InputError>([&] { RecordBank(folder / "a"); }), HasSubstr("feature scales are not"));
 }
 
+TEST(Database, StructureIsCheckedEvenWhereAllRowsAreWhole) {
+  const Folder folder;
+  write_database(folder / "x", small_settings(), arbitrary_sectors(small_settings(), 12));
+  std::string bytes = bytes_of(folder / "x");
+  std::size_t leaf = 4096;
+  while (leaf < bytes.size() && bytes[leaf] != 0x0D) leaf += 4096;
+  ASSERT_LT(leaf, bytes.size());
+  bytes[leaf + 7] = static_cast<char>(bytes[leaf + 7] ^ 5);  // its count of unused bytes, which no reader of rows needs
+  write_bytes(folder / "x", bytes);
+  EXPECT_THAT(message_of<InputError>([&] { read_all(folder / "x"); }), HasSubstr("quick_check says"));
+  EXPECT_THAT(message_of<InputError>([&] { RecordBank(folder / "x"); }), HasSubstr("quick_check says"));
+}
+
 TEST(Database, NamesThatSqliteWouldReadOtherwiseAreFiles) {
   const Folder folder;
   const auto before = std::filesystem::current_path();
