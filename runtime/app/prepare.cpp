@@ -72,6 +72,7 @@ Hairstyle fit_hairstyle(const Scene& scene) {
     spdlog::debug("{}: strand {} {}: {}", scene.hair, issue.strand, issue.dropped ? "dropped" : "repaired",
                   issue.reason);
   }
+  for (const std::string& note : report.notes) spdlog::info("{}: {}", scene.hair, note);
   hair::FitSettings fit;
   fit.clusters = scene.clusters;
   hair::ClusterFit fitted = hair::fit_clusters(strands, fit);

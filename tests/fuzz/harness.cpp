@@ -67,8 +67,9 @@ using File = std::unique_ptr<std::FILE, Close>;
 fs::path scratch(std::string_view name, std::string_view bytes) {
   fs::path path = scratch(name);
   const File file(std::fopen(path.c_str(), "wb"));
-  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
-    throw std::runtime_error("cannot write " + path.string());
+  const bool written =
+      file && (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size());
+  if (!written) throw std::runtime_error("cannot write " + path.string());
   return path;
 }
 
