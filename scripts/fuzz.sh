@@ -9,6 +9,10 @@ if [[ "${1:-}" =~ ^[0-9]+$ ]]; then
   seconds=$1
   shift
 fi
+if ((seconds == 0)); then
+  echo "fuzz: 0 seconds would never end: give at least 1" >&2
+  exit 2
+fi
 bash scripts/install-dependencies.sh
 mkdir -p build
 TARGETS=fuzzers build fuzz > build/fuzz-build.log 2>&1 || { cat build/fuzz-build.log; exit 1; }
