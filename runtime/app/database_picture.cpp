@@ -167,8 +167,7 @@ void scatter(Image& image, glm::ivec2 corner, const RecordBank& bank, const Cove
 /// Shares of distances per bin, as bars from the bottom.
 void histogram(Image& image, glm::ivec2 corner, const CoverageShown& c) {
   constexpr int kBins = 60, kBar = kPlot / kBins;
-  Axis x{"distance to the nearest record (last bar: or more)", 0,
-         std::max(quantile(c.spacing, .995), quantile(c.sector_distances, .995))};
+  Axis x{"distance to nearest record", 0, std::max(quantile(c.spacing, .995), quantile(c.sector_distances, .995))};
   if (!(x.high > 0)) x.high = 1;
   const auto shares = [&](const std::vector<float>& values) {
     std::array<float, kBins> bins{};
@@ -192,6 +191,7 @@ void histogram(Image& image, glm::ivec2 corner, const CoverageShown& c) {
   if (both) bars(sectors, kBar / 2, kBar / 2, kOrange);
   draw::frame(image, corner, {kPlot, kPlot}, kInk);
   axes(image, corner, x, {"share", 0, top});
+  draw::text(image, corner + glm::ivec2(110, 52), "last bar: that far or farther", 12, kFaint);
   draw::text(image, corner + glm::ivec2(110, 16), fmt::format("of the {} records", c.spacing.size()), 12, kBlue);
   if (both) {
     draw::text(image, corner + glm::ivec2(110, 34), fmt::format("of {} sectors", c.sector_distances.size()), 12,
