@@ -25,7 +25,8 @@ const CommonOptions& common() noexcept;
 void add_common_options(CLI::App& verb);
 
 /// Parses, sets up log (spdlog, stderr), thread count (oneTBB) and Ctrl-C, runs the chosen verb's callback, and turns
-/// exceptions into one-line messages on stderr and exit codes. main() is `return run_program(app, argc, argv);`.
+/// exceptions into one-line messages on stderr and exit codes; so too SIGBUS, which comes when a mapped database is cut
+/// off by somebody else while it is read. main() is `return run_program(app, argc, argv);`.
 int run_program(CLI::App& app, int argc, char** argv);
 
 /// Ctrl-C was pressed (SIGINT or SIGTERM).
