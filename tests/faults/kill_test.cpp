@@ -62,7 +62,8 @@ class Bake {
   /// Returns when a file of the partial database has changed `times` times, or the finished one is being made.
   void wait_for_writes(int times) const {
     const auto change = [&] {
-      std::pair<fs::file_time_type, std::uintmax_t> latest{};
+      // Not {}: libstdc++ counts file times from the year 2174, so that is later than any.
+      std::pair<fs::file_time_type, std::uintmax_t> latest{fs::file_time_type::min(), 0};
       for (const char* suffix : {"", "-wal", "-journal"}) {
         std::error_code absent;
         const fs::path part = file().string() + ".partial" + suffix;
@@ -117,12 +118,14 @@ TEST(Killed, ResumesToTheSameBytes) {
   for (unsigned round = 0; killed < kills && round < 20 * kills; ++round) {
     const Child child = bake.begin();
     const double moment = unit(random), aim = unit(random);
-    const bool finishing = aim < 0.3, writing = !finishing && aim < 0.6;
+    const bool finishing = aim < 0.3;
+    bool writing = !finishing && aim < 0.6;
     if (finishing) {
       bake.wait_for_finish(Clock::now() + std::chrono::minutes(5));
       sleep_for(1.2 * moment * bake.finish_s());
     } else if (writing) {
       bake.wait_for_writes(1 + static_cast<int>(60 * moment));
+      writing = !bake.finishing();  // else there were fewer
     } else {
       sleep_for(0.8 * moment * bake.rows_s());
     }
@@ -164,7 +167,7 @@ TEST(Interrupted, Exits130AndResumesToTheSameBytes) {
   unsigned interrupted = 0;
   for (int round = 0; interrupted < 3 && round < 20; ++round) {
     const Child child = bake.begin();
-    sleep_for((0.2 + 0.1 * (round % 4)) * bake.rows_s());
+    bake.wait_for_writes(3 + round % 4);
     child.signal(SIGINT);
     const Result result = child.wait();
     if (result.code == 0) {  // it was done before the signal came
@@ -189,7 +192,7 @@ TEST(CutFile, IsASentenceAndAnExitCode) {
   Result result{0, "", ""};
   for (int round = 0; result.code == 0 && round < 20; ++round) {
     const Child child = bake.begin();
-    sleep_for((0.2 + 0.1 * (round % 4)) * bake.rows_s());
+    bake.wait_for_writes(3);
     child.signal(SIGBUS);
     result = child.wait();
     if (result.code == 0) bake.remove();  // it was done before the signal came
