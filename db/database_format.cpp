@@ -181,14 +181,9 @@ Stored read_metadata(const Session& session) {
   return stored;
 }
 
-std::vector<double> as_stored(const FeatureScale& scale) {
-  std::vector<double> scales = scale.mean;
-  scales.insert(scales.end(), scale.inv_sigma.begin(), scale.inv_sigma.end());
-  return scales;
-}
-
 void write_scales(const Session& session, Stored stored, const FeatureScale& scale) {
-  stored.scales = as_stored(scale);
+  stored.scales = scale.mean;
+  stored.scales.insert(stored.scales.end(), scale.inv_sigma.begin(), scale.inv_sigma.end());
   Statement update(session, "UPDATE metadata SET feature_scales = ?1, checksum = ?2 WHERE id = 1");
   update.bind(1, stored.scales.data(), stored.scales.size() * sizeof(double));
   update.bind(2, as_sqlite(checksum(stored)));

@@ -30,7 +30,6 @@ bool is_bake_or_empty(const sqlite::Session& session);
 /// Its checksum verified. @throws InputError
 Stored read_metadata(const sqlite::Session& session);
 void write_scales(const sqlite::Session& session, Stored stored, const FeatureScale& scale);
-std::vector<double> as_stored(const FeatureScale& scale);
 FeatureScale scale_of(const std::vector<double>& scales, FeatureSet set, const std::filesystem::path& file);
 
 /// "seed is 1 in a.hrir, 2 in b.hrir"; empty: equal.

@@ -54,7 +54,6 @@ bool same_diameters(const Strands& a, const Strands& b) {
 
 /// Written as `extension` says and read again it is the same, but for what the writer said is lost; or it is refused.
 void check_written_again(const Strands& s, std::optional<float> opacity, const std::string& extension) {
-  if (s.diameter_m == 1.0F) return;  // what HAIR writers leave that know none
   const std::string name = "again" + extension;
   hair::WriteReport written;
   std::string bytes;
