@@ -12,6 +12,7 @@
 
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/hairstyle.h"
+#include "pelage/data_schema/strand_settings.h"
 
 namespace pelage {
 
@@ -23,11 +24,12 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
-/// Directional light.
+/// Directional light, or, where `position` is set, a point light: its irradiance falls off as (1 m / distance)^2.
 struct Light {
-  glm::vec3 direction{0.4F, 0.7F, 0.6F};  // towards the light, any length > 0
+  glm::vec3 direction{0.4F, 0.7F, 0.6F};  // towards the light, any length > 0; of no meaning for a point light
+  std::optional<glm::vec3> position;      // metres
   glm::vec3 colour{1.0F};                 // linear RGB
-  float intensity = 1.0F;                 // >= 0
+  float intensity = 1.0F;                 // >= 0; irradiance, of a point light at 1 m
   bool operator==(const Light&) const = default;
 };
 
@@ -68,6 +70,9 @@ struct SatfSettings {
   bool operator==(const SatfSettings&) const = default;
 };
 
+/// What draws the picture. All but satf draw strand by strand.
+enum class Method { satf, density_map, deep_opacity, opacity_shadow, unshadowed, truth };
+
 struct ImageSettings {
   int width = 1280, height = 720;                          // pixels, [1, 16384]
   int supersampling = 2;                                   // samples per pixel and side, [1, 8]
@@ -85,7 +90,11 @@ struct Scene {
   std::optional<Camera> camera;  // none: framed
   std::vector<Light> lights{Light{}};
   HairMaterial material;
+  Method method = Method::satf;
   SatfSettings satf;
+  StrandSettings strands;
+  ShadowSettings shadow;
+  TruthSettings truth;
   ImageSettings image;
   BakeSettings bake;
   int clusters = 150;  // when hair is strands: clusters to fit, [1, 10000]

@@ -33,6 +33,17 @@ glm::vec<3, T> shifted_tangent(const glm::vec<3, T>& t, const glm::vec<3, T>& n,
   return glm::normalize(t + tangent_shift * n);
 }
 
+/// The normal of a lone strand, along which its highlights shift: the side of a camera-facing ribbon [Scheuermann2004].
+/// Unit, across t, towards the viewer; where the viewer looks along the strand, any across it.
+template <class T>
+glm::vec<3, T> facing_normal(const glm::vec<3, T>& t, const glm::vec<3, T>& v) noexcept {
+  const glm::vec<3, T> across = v - glm::dot(v, t) * t;
+  const T length = glm::length(across);
+  if (length > T(1e-4)) return across / length;
+  const glm::vec<3, T> axis = std::abs(t.x) < T(0.6) ? glm::vec<3, T>(1, 0, 0) : glm::vec<3, T>(0, 1, 0);
+  return glm::normalize(axis - glm::dot(axis, t) * t);
+}
+
 /// [Xu2006 eq. 9] without coefficient and colour: sin(t, l). In [0, 1].
 template <class T>
 T diffuse_lobe(const glm::vec<3, T>& t, const glm::vec<3, T>& l) noexcept {

@@ -1,0 +1,43 @@
+// How much light of one light source reaches a point through the hair: the interface of the density map and of the
+// methods that it is compared with, so that each is one more row in any comparison.
+//
+// Hair: `strands` with a drawn diameter D (strands.diameters_m per vertex, or strands.diameter_m > 0) and an opacity a;
+// a fibre blocks a D len sin(segment, light) of area (DESIGN section 3).
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pelage/data_schema/scene.h"
+#include "pelage/data_schema/strands.h"
+
+namespace pelage {
+
+/// A map as a 3D texture: optical depth at whole cell coordinates, trilinear between them. For lookups on the GPU.
+struct DepthTexture {
+  glm::ivec3 size{0};          // along the light, across, across
+  std::vector<float> depth;    // [x][y][z], >= 0; slice 0 is 0, so clamping x to [0, size.x - 1] is right on both ends
+  glm::mat4 world_to_cell{1};  // affine. Beside the map in y or z (outside [0, size - 1]) the depth fades to 0
+};
+
+class HairShadow {
+ public:
+  virtual ~HairShadow() = default;
+  /// Transmittance in [0, 1] from the light to each point [metres]; NaN where a point is not finite (a caller's error
+  /// stays visible). `out` is as long as `points`.
+  virtual void transmittance(std::span<const glm::vec3> points, std::span<float> out) const = 0;
+  virtual std::size_t bytes() const noexcept = 0;
+  /// None where lookups are not affine in space: point lights, layers behind the first hair, adaptive slices.
+  virtual std::optional<DepthTexture> depth_texture() const { return std::nullopt; }
+};
+
+/// The method's shadow of `strands` for one light. Method::satf and Method::truth have none here.
+/// @throws InputError for a light without a direction, hair that is not finite, an opacity outside [0, 1], no diameter
+std::unique_ptr<HairShadow> make_shadow(Method method, const ShadowSettings& settings, const Strands& strands,
+                                        float opacity, const Light& light);
+
+}  // namespace pelage
