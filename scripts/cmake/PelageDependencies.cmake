@@ -8,6 +8,7 @@ find_package(spdlog REQUIRED)         # bake/console: log
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)          # programs: options
 find_package(SQLite3 REQUIRED)        # db only
+find_package(embree 3 REQUIRED)       # runtime/reference: ray tracing
 find_package(TBB REQUIRED)            # threads
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)            # FLANN's headers need it, and nothing else of FLANN's list
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)           # runtime/render
