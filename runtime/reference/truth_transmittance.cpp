@@ -8,7 +8,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "pelage/data_schema/errors.h"
+#include "pelage/reference/light_ray.h"
 #include "pelage/reference/progress_counter.h"
 #include "pelage/reference/sampling.h"
 
@@ -49,16 +49,14 @@ class PointTracer {
         seed_(seed),
         enough_(scene.enough(settings.stop_below)),
         head_(head == HeadShadow::casts && scene.has_head()) {
-    if (light.position) return;
-    const double length = glm::length(glm::dvec3(light.direction));
-    if (!(length > 0 && std::isfinite(length))) throw UsageError("light: the direction has no length; give another");
+    check_light(light);
   }
 
   TruthEstimate trace(const TruthPoint& point, std::uint32_t index) const {
-    const glm::dvec3 at(point.position),
-        to_light = light_.position ? glm::dvec3(*light_.position) - at : glm::dvec3(light_.direction);
-    if (to_light == glm::dvec3(0)) return {1, 0};
-    const Across disc = across(glm::normalize(to_light));
+    const glm::dvec3 at(point.position);
+    const FibreRay middle = ray_to_light(light_, at);
+    if (middle.length_m == 0) return {1, 0};
+    const Across disc = across(middle.direction);
     const auto total = static_cast<std::uint32_t>(std::max(settings_.rays, 1));
     const std::uint32_t batches = std::min<std::uint32_t>(total, kTruthBatches);
     std::array<double, kTruthBatches> sums{};
@@ -69,20 +67,15 @@ class PointTracer {
       rays[b] = total / batches + (b < total % batches ? 1U : 0U);
       for (std::uint32_t i = 0; i < rays[b]; ++i) {
         const glm::dvec2 p = static_cast<double>(settings_.footprint_m) * in_disk(square.point(i));
-        sums[b] += transmittance(at + p.x * disc.x + p.y * disc.y, to_light, point.owner);
+        sums[b] += transmittance(at + p.x * disc.x + p.y * disc.y, point.owner);
       }
     }
     return estimate({sums.data(), batches}, {rays.data(), batches});
   }
 
  private:
-  double transmittance(const glm::dvec3& from, const glm::dvec3& to_light, std::uint32_t owner) const {
-    FibreRay ray{from, glm::normalize(to_light)};
-    if (light_.position) {
-      const glm::dvec3 way = glm::dvec3(*light_.position) - from;
-      ray.length_m = glm::length(way);
-      ray.direction = way / ray.length_m;
-    }
+  double transmittance(const glm::dvec3& from, std::uint32_t owner) const {
+    const FibreRay ray = ray_to_light(light_, from);
     if (head_ && scene_.head(ray)) return 0;
     return scene_.transmittance(scene_.count(ray, owner, enough_));
   }
