@@ -18,6 +18,7 @@ struct DensityMapSettings {
   bool interpolate_depth = true;  // off: transmittance is interpolated, not its logarithm
   bool filter = true;             // off: the nearest cell's value (A Fig. 5, left)
   bool fitted = true;             // box around the hair; off: 2 l_max + h_max wide, cells anchored in space (A 2.2)
+  float extent_m = 0;             // side of the map [m] instead of either; 0: none given
   bool adaptive_slices = false;   // slices along the light of equal content instead of equal thickness
   bool operator==(const DensityMapSettings&) const = default;
 

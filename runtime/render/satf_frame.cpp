@@ -58,7 +58,7 @@ SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, cons
   {
     auto stage = ledger_.run("surfaces");
     surfaces_ = make_surfaces(model_);
-    segments_ = hair_segments(style_, model_);
+    strands_ = hair_strands(style_, model_);
     stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
     renderer_.set_hair(surfaces_, model_, style_.clusters);
     if (!head_.vertices.empty()) renderer_.set_head(head_);
@@ -87,7 +87,9 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
     std::optional<DensityMap> map;
     if (frame.satf.global_shadow) {
       auto stage = ledger_.run("shadow map");
-      map.emplace(segments_, frame.lights[i].direction, model_.blocked_width_m, frame.satf.shadow_resolution);
+      DensityMapSettings settings;
+      settings.resolution = frame.satf.shadow_resolution;
+      map.emplace(settings, strands_, style_.opacity, frame.lights[i]);
       stage.bytes(map->bytes());
       for (std::size_t v = 0; v < on_head.size(); ++v)
         on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);

@@ -161,22 +161,31 @@ void build_shadows(const SatfModel& model, const RecordSource& source, const Sha
   });
 }
 
-std::vector<Segment> hair_segments(const Hairstyle& style, const SatfModel& model) {
-  std::vector<Segment> segments;
+Strands hair_strands(const Hairstyle& style, const SatfModel& model) {
+  Strands strands;
+  strands.diameter_m = style.diameter_m;
   for (const Instance& instance : model.instances) {
     const Cluster& cluster = style.clusters[instance.cluster];
-    std::vector<std::pair<bool, glm::vec3>> last(cluster.strand_count(), {false, glm::vec3(0.0F)});
+    std::vector<std::vector<glm::vec3>> open(cluster.strand_count());  // points of strands that go on
+    const auto end = [&](std::vector<glm::vec3>& points) {
+      if (points.size() > 1) strands.append(points);
+      points.clear();
+    };
     for (int i = 0; i <= style.division.plates; ++i) {
-      std::vector<std::pair<bool, glm::vec3>> now(cluster.strand_count(), {false, glm::vec3(0.0F)});
       const float t = static_cast<float>(i) / static_cast<float>(style.division.plates);
+      std::vector<bool> crosses(open.size(), false);
       for (const Crossing& c : plate_crossings(cluster, t)) {
-        now[c.strand] = {true, instance.swept.point(i, c.disk)};
-        if (last[c.strand].first) segments.push_back({last[c.strand].second, now[c.strand].second});
+        if (crosses[c.strand]) open[c.strand].pop_back();  // back and forth within a plate: its last crossing
+        crosses[c.strand] = true;
+        open[c.strand].push_back(instance.swept.point(i, c.disk));
       }
-      last = std::move(now);
+      for (std::size_t s = 0; s < open.size(); ++s) {
+        if (!crosses[s]) end(open[s]);
+      }
     }
+    for (auto& points : open) end(points);
   }
-  return segments;
+  return strands;
 }
 
 }  // namespace pelage

@@ -28,7 +28,7 @@ struct ShadowRequest {
 void build_shadows(const SatfModel& model, const RecordSource& source, const ShadowRequest& request,
                    std::span<std::uint16_t> shadows);
 
-/// The strands of all instances as straight pieces between plates, for the density map.
-std::vector<Segment> hair_segments(const Hairstyle& style, const SatfModel& model);
+/// The strands of all instances, a vertex per plate that they cross, for the density map.
+Strands hair_strands(const Hairstyle& style, const SatfModel& model);
 
 }  // namespace pelage

@@ -1,139 +1,329 @@
 #include "pelage/shadow/density_map.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/vector_relational.hpp>
 #include <limits>
+#include <numbers>
 #include <numeric>
+#include <string>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/numeric.h"
+#include "pelage/shadow/hair_pieces.h"
+
+#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 
 namespace pelage {
 namespace {
 
-/// Rows: unit direction of travel (away from the light) and two unit axes across it.
-glm::mat3 light_frame(glm::vec3 to_light) {
-  const float length = glm::length(to_light);
-  if (!(length > 0.0F) || !std::isfinite(length)) {
-    throw InputError("light",
-                     "the direction has length " + std::to_string(length) + "; give a finite vector that is not zero");
-  }
-  const glm::vec3 x = -to_light / length;
-  const glm::vec3 helper = std::abs(x.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 y = glm::normalize(glm::cross(helper, x));
-  return glm::transpose(glm::mat3(x, y, glm::cross(x, y)));
+constexpr int kMargin = 2;  // cells: one for the trilinear deposit on the border, one that stays empty
+constexpr int kMostCells = 1024 + 2 * kMargin;
+/// Cosine of the half angle within which one frustum serves a point light.
+constexpr float kOneFrustum = 0.64F;
+/// Mean sine of the angle between the light and a segment of no preferred direction; calibrates the paper's f.
+constexpr float kMeanSine = std::numbers::pi_v<float> / 4;
+constexpr std::size_t kMostCopies = 8;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Beyond this squares of lengths in cells leave float; hair is metres away, not light seconds.
-constexpr float kFarthest_m = 1e9F;
+int checked_cells(double cells) {
+  const double all = std::ceil(cells) + 2 * kMargin;
+  if (all <= kMostCells) return static_cast<int>(all);
+  throw InputError("density map", "the hair is " + std::to_string(cells) + " cells long, at most " +
+                                      std::to_string(kMostCells - 2 * kMargin) +
+                                      " are held: choose a lower resolution or a larger extent");
+}
 
-void check_finite(std::span<const Segment> segments) {
-  const auto near = [](glm::vec3 p) { return glm::all(glm::lessThanEqual(glm::abs(p), glm::vec3(kFarthest_m))); };
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (near(segments[i].a) && near(segments[i].b)) continue;
-    throw InputError("density map",
-                     "segment " + std::to_string(i) +
-                         " has a coordinate that is not finite or beyond 1e9 m; check the hair and its transforms");
-  }
+glm::ivec3 checked_cells(glm::vec3 cells) {
+  return {checked_cells(static_cast<double>(cells.x)), checked_cells(static_cast<double>(cells.y)),
+          checked_cells(static_cast<double>(cells.z))};
+}
+
+float longest(glm::vec3 v) noexcept {
+  return std::max({v.x, v.y, v.z});
+}
+
+PELAGE_CLONES void exponentiate(float* __restrict depth, std::size_t n) noexcept {
+  for (std::size_t i = 0; i < n; ++i) depth[i] = exp_neg(depth[i]);
+}
+
+/// NaN where p is not finite, else 0.
+float not_finite(glm::vec3 p) noexcept {
+  const float sum = p.x + p.y + p.z;
+  return sum - sum;
 }
 
 }  // namespace
 
-DensityMap::DensityMap(std::span<const Segment> segments, glm::vec3 to_light, float blocked_width_m, int resolution)
-    : to_light_frame_(light_frame(to_light)) {
-  check_finite(segments);
-  fit_box(segments, resolution);
-  depth_.assign(
-      static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z), 0.0F);
-  for (const Segment& s : segments) {
-    const glm::vec3 a = to_light_frame_ * s.a;
-    const glm::vec3 step = to_light_frame_ * s.b - a;
-    const float across = std::sqrt(step.y * step.y + step.z * step.z);  // length times sine to the light
-    const int pieces = std::clamp(static_cast<int>(std::ceil(2.0F * glm::length(step) / cell_)), 1, 4096);
-    const float depth = blocked_width_m * across / (cell_ * cell_) / static_cast<float>(pieces);
-    for (int i = 0; i < pieces; ++i) {
-      deposit(a + ((static_cast<float>(i) + 0.5F) / static_cast<float>(pieces)) * step, depth);
+void DensityMap::build(const Strands& strands, float opacity, const Light& light) {
+  check_hair(strands, opacity);
+  const auto start = std::chrono::steady_clock::now();
+  if (light.position && !strands.vertices.empty())
+    map_point(strands, *light.position);
+  else
+    map_parallel(strands, light.position ? glm::vec3(0, 1, 0) : light.direction);
+  if (!settings_.area) calibrate(strands);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (settings_.adaptive_slices) slice_by_content(strands, faces_[i], cells_[i]);
+    fill(strands, opacity, faces_[i]);
+  }
+  times_.fill_ms = milliseconds_since(start);
+  const auto filled = std::chrono::steady_clock::now();
+  for (Face& face : faces_) {
+    face.grid.accumulate(settings_.centred_lookup ? DepthGrid::Values::centre : DepthGrid::Values::far_corner,
+                         !settings_.interpolate_depth);
+  }
+  times_.transmittance_ms = milliseconds_since(filled);
+}
+
+void DensityMap::map_parallel(const Strands& strands, glm::vec3 to_light) {
+  faces_.resize(1);
+  cells_.resize(1);
+  LightMapping& m = faces_[0].mapping;
+  m = {};
+  m.axes = light_axes(to_light);
+  if (!strands.vertices.empty()) m.centre = strands.vertices[0];
+  const Box box = box_along(m.axes, m.centre, strands.vertices);
+  const auto resolution = static_cast<float>(std::clamp(settings_.resolution, 1, 1024));
+  const float extent = settings_.extent_m > 0 ? settings_.extent_m
+                       : settings_.fitted     ? longest(box.extent())
+                                              : (calibrate(strands), constant_extent_m_);
+  const float cell = std::max(extent, 1e-6F) / resolution;
+  m.cells_per_unit = glm::vec3(1.0F / cell);
+  glm::vec3 low = box.low;  // of the grid, without margin, in metres from the centre
+  if (!settings_.fitted) {
+    // Cells are anchored at the world's origin: multiples of the cell size.
+    for (int i = 0; i < 3; ++i) {
+      const double from = glm::dot(glm::dvec3(m.axes[i]), glm::dvec3(m.centre)), ds = static_cast<double>(cell);
+      low[i] = static_cast<float>(ds * std::floor((from + static_cast<double>(box.low[i])) / ds) - from);
     }
   }
-  const double sum = std::accumulate(depth_.begin(), depth_.end(), 0.0);
-  deposited_area_m2_ = sum * static_cast<double>(cell_) * static_cast<double>(cell_);
-  sum_along_light();
+  m.offset = -low / cell + static_cast<float>(kMargin);
+  cells_[0] = checked_cells((box.high - low) / cell);
 }
 
-void DensityMap::fit_box(std::span<const Segment> segments, int resolution) {
-  glm::vec3 low{std::numeric_limits<float>::max()};
-  glm::vec3 high{std::numeric_limits<float>::lowest()};
-  for (const Segment& s : segments) {
-    for (const glm::vec3& p : {to_light_frame_ * s.a, to_light_frame_ * s.b}) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
+void DensityMap::map_point(const Strands& strands, glm::vec3 light) {
+  if (!std::isfinite(light.x + light.y + light.z)) {
+    throw InputError("light", "a point light's position is not finite; give it in metres");
+  }
+  const auto resolution = static_cast<float>(std::clamp(settings_.resolution, 1, 1024));
+  const glm::mat3 world(1.0F);
+  const Box around = box_along(world, light, strands.vertices);
+  const glm::vec3 towards = around.middle();
+  const float distance = glm::length(towards);
+  bool one = distance > 0;
+  for (const glm::vec3& p : strands.vertices) {
+    if (!one) break;
+    one = glm::dot(p - light, towards) > kOneFrustum * distance * glm::length(p - light);
+  }
+  std::vector<glm::mat3> axes;
+  if (one) {
+    axes.push_back(light_axes(-towards));
+  } else {
+    for (const glm::vec3 x : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
+      axes.push_back(light_axes(-x));
+      axes.push_back(light_axes(x));
     }
   }
-  if (segments.empty()) low = high = glm::vec3(0.0F);
-  const glm::vec3 extent = high - low;
-  cell_ = std::max({extent.x, extent.y, extent.z, 1e-6F}) / static_cast<float>(std::clamp(resolution, 1, 1024));
-  // One cell of margin on each side takes the trilinear deposit of hair on the border.
-  origin_ = low - glm::vec3(cell_);
-  size_ = glm::ivec3(glm::ceil(extent / cell_)) + 3;
-}
-
-std::size_t DensityMap::index(int x, int y, int z) const noexcept {
-  return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size_.y) + static_cast<std::size_t>(y)) *
-             static_cast<std::size_t>(size_.z) +
-         static_cast<std::size_t>(z);
-}
-
-void DensityMap::deposit(glm::vec3 q, float depth) noexcept {
-  const glm::vec3 g = (q - origin_) / cell_ - 0.5F;  // cell-centred
-  const glm::vec3 base = glm::clamp(glm::floor(g), glm::vec3(0.0F), glm::vec3(size_ - 2));
-  const glm::vec3 f = g - base;
-  const int x = static_cast<int>(base.x), y = static_cast<int>(base.y), z = static_cast<int>(base.z);
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
-    const float w = (i ? f.x : 1 - f.x) * (j ? f.y : 1 - f.y) * (k ? f.z : 1 - f.z);
-    depth_[index(x + i, y + j, z + k)] += w * depth;
+  faces_.resize(axes.size());
+  cells_.resize(axes.size());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    LightMapping& m = faces_[i].mapping;
+    m = {};
+    m.axes = axes[i];
+    m.centre = light;
+    m.point_light = true;
+    Box box = box_along(m.axes, light, strands.vertices);
+    glm::vec2 low(-1), high(1);
+    if (one) {
+      low = glm::vec2(3e38F), high = glm::vec2(-3e38F);
+      for (const glm::vec3& p : strands.vertices) {
+        const glm::vec3 q = m.local(p);
+        const glm::vec2 slope(q.y / q.x, q.z / q.x);
+        low = glm::min(low, slope), high = glm::max(high, slope);
+      }
+    } else {
+      box.low.x = 0;
+      box.high.x = std::max(box.high.x, 1e-6F);
+    }
+    const float slope = std::max({high.x - low.x, high.y - low.y, 1e-6F}) / resolution;
+    const float length = std::max(box.extent().x, 1e-6F) / resolution;
+    m.cells_per_unit = {1.0F / length, 1.0F / slope, 1.0F / slope};
+    m.offset = glm::vec3(-box.low.x / length, -low.x / slope, -low.y / slope) + static_cast<float>(kMargin);
+    cells_[i] = checked_cells(glm::vec3(box.extent().x / length, (high.x - low.x) / slope, (high.y - low.y) / slope));
   }
 }
 
-void DensityMap::sum_along_light() noexcept {
-  // Depth at a cell's centre plane: all cells nearer to the light and half of the cell itself.
-  const std::size_t slice = static_cast<std::size_t>(size_.y) * static_cast<std::size_t>(size_.z);
-  std::vector<float> total(slice, 0.0F);
-  for (std::size_t x = 0; x < static_cast<std::size_t>(size_.x); ++x) {
-    float* const row = depth_.data() + x * slice;
-    for (std::size_t i = 0; i < slice; ++i) {
-      const float own = row[i];
-      row[i] = total[i] + 0.5F * own;
-      total[i] += own;
+void DensityMap::calibrate(const Strands& strands) {
+  if (calibrated_vertices_ == strands.vertices.size() && calibrated_vertices_ > 0) return;
+  calibrated_vertices_ = strands.vertices.size();
+  constant_extent_m_ = constant_extent_m(strands);
+  double area = 0;
+  for (std::size_t s = 0; s < strands.count(); ++s) {
+    for (std::size_t i = strands.offsets[s] + 1; i < strands.offsets[s + 1]; ++i) {
+      area += static_cast<double>(glm::distance(strands.vertices[i - 1], strands.vertices[i])) *
+              static_cast<double>(diameter_at(strands, i));
     }
   }
+  blocked_area_m2_ = static_cast<float>(area / static_cast<double>(std::max<std::size_t>(calibrated_vertices_, 1)));
 }
 
-float DensityMap::at(int x, int y, int z) const noexcept {
-  if (y < 0 || z < 0 || y >= size_.y || z >= size_.z || x < 0) return 0.0F;
-  return depth_[index(std::min(x, size_.x - 1), y, z)];
+void DensityMap::slice_by_content(const Strands& strands, Face& face, glm::ivec3 cells) const {
+  constexpr std::size_t kSteps = 1024;
+  // Half of the slices are spread evenly, so that none becomes too thick to place a shadow in.
+  std::vector<double> content(kSteps, 0.0);
+  const double inner = static_cast<double>(cells.x - 2 * kMargin);
+  const auto span = static_cast<float>(cells.x);
+  for (const glm::vec3& p : strands.vertices) {
+    const float x = face.mapping.cells(p).x / span * static_cast<float>(kSteps);
+    if (x >= 0 && x < static_cast<float>(kSteps)) content[static_cast<std::size_t>(x)] += 1;
+  }
+  const double all = std::accumulate(content.begin(), content.end(), 0.0);
+  SliceMap map;
+  map.steps_per_cell = static_cast<float>(kSteps) / span;
+  double before = 0;
+  for (std::size_t i = 0; i <= kSteps; ++i) {
+    const double x = static_cast<double>(i) / static_cast<double>(map.steps_per_cell);
+    const double even = (x - kMargin) / inner;
+    const bool margin = even <= 0 || even >= 1 || all == 0;  // keeps its own slices
+    map.at.push_back(static_cast<float>(margin ? x : kMargin + 0.5 * inner * (even + before / all)));
+    if (i < kSteps) before += content[i];
+  }
+  face.mapping.slices = std::move(map);
+}
+
+void DensityMap::fill(const Strands& strands, float opacity, Face& face) {
+  const std::size_t vertices = strands.vertices.size();
+  const glm::ivec3 cells = cells_[static_cast<std::size_t>(&face - faces_.data())];
+  // Threads fill copies, which are added up later: more than there is work for would cost more than they save.
+  const std::size_t threads = std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), kMostCopies);
+  const std::size_t copies = std::clamp<std::size_t>(vertices / 4096, 1, threads);
+  face.grid.reset(cells, copies);
+  Cutting cutting{settings_.area, settings_.split, opacity, 0, settings_.factor, {}};
+  if (face.mapping.point_light) cutting.cells = cells;
+  if (!settings_.area) {
+    const LightMapping& m = face.mapping;
+    const float distance = m.point_light && vertices > 0 ? glm::distance(m.centre, strands.vertices[vertices / 2]) : 1;
+    const float cell_m = std::max(distance, 1e-3F) / m.cells_per_unit.y;
+    cutting.vertex_depth = settings_.factor * opacity * kMeanSine * blocked_area_m2_ / (cell_m * cell_m);
+  }
+  tbb::parallel_for(std::size_t{0}, copies, [&](std::size_t copy) {
+    const std::size_t first = vertices * copy / copies, last = vertices * (copy + 1) / copies;
+    cut_hair(strands, face.mapping, cutting, first, last, [&](PieceBlock& block) {
+      if (settings_.trilinear_deposit)
+        face.grid.add_trilinear(block, copy);
+      else
+        face.grid.add_nearest(block, copy);
+    });
+  });
+}
+
+const DensityMap::Face& DensityMap::face_of(glm::vec3 p) const noexcept {
+  if (faces_.size() == 1) return faces_[0];
+  const glm::vec3 d = p - faces_[0].mapping.centre, size = glm::abs(d);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  return faces_[static_cast<std::size_t>(2 * axis + (d[axis] < 0 ? 1 : 0))];
+}
+
+void DensityMap::read(const Face& face, std::span<const glm::vec3> points, std::span<float> out) const noexcept {
+  CellBlock at{};
+  const std::size_t n = points.size();
+  face.mapping.cells(points, at);
+  if (settings_.filter)
+    face.grid.interpolate(at, n, out);
+  else
+    face.grid.nearest(at, n, out);
+  if (settings_.interpolate_depth) exponentiate(out.data(), n);
+  for (std::size_t i = 0; i < n; ++i) out[i] += not_finite(points[i]);
+}
+
+void DensityMap::transmittance(std::span<const glm::vec3> points, std::span<float> out) const {
+  constexpr std::size_t kBlock = CellBlock::kSize;
+  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 16), [&](const auto& range) {
+    for (std::size_t b = range.begin(); b != range.end(); ++b) {
+      const std::size_t first = b * kBlock, n = std::min(kBlock, points.size() - first);
+      if (faces_.size() == 1)
+        read(faces_[0], points.subspan(first, n), out.subspan(first, n));
+      else
+        read_faces(points.subspan(first, n), out.subspan(first, n));
+    }
+  });
+}
+
+void DensityMap::read_faces(std::span<const glm::vec3> points, std::span<float> out) const noexcept {
+  std::array<glm::vec3, CellBlock::kSize> of_face;
+  std::array<float, CellBlock::kSize> result;
+  for (const Face& face : faces_) {
+    std::size_t n = 0;
+    for (const glm::vec3& p : points) {
+      if (&face_of(p) == &face) of_face[n++] = p;
+    }
+    read(face, std::span(of_face).first(n), std::span(result).first(n));
+    n = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (&face_of(points[i]) == &face) out[i] = result[n++];
+    }
+  }
 }
 
 float DensityMap::optical_depth(glm::vec3 p) const noexcept {
-  const glm::vec3 g = (to_light_frame_ * p - origin_) / cell_ - 0.5F;
-  if (std::isnan(g.x + g.y + g.z)) return std::numeric_limits<float>::quiet_NaN();
-  // Bounded before the conversion to int: floor of a far point does not fit.
-  const glm::vec3 bounded = glm::clamp(g, glm::vec3(-2.0F), glm::vec3(size_) + 1.0F);
-  const glm::vec3 base = glm::floor(bounded);
-  const glm::vec3 f = bounded - base;
-  const int x = static_cast<int>(base.x), y = static_cast<int>(base.y), z = static_cast<int>(base.z);
-  float sum = 0.0F;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner >> 2, j = (corner >> 1) & 1, k = corner & 1;
-    const float w = (i ? f.x : 1 - f.x) * (j ? f.y : 1 - f.y) * (k ? f.z : 1 - f.z);
-    sum += w * at(x + i, y + j, z + k);
-  }
-  return sum;
+  const Face& face = face_of(p);
+  CellBlock at{};
+  face.mapping.cells(std::span(&p, 1), at);
+  float value = 0;
+  face.grid.interpolate(at, 1, std::span(&value, 1));
+  return (settings_.interpolate_depth ? value : -std::log(value)) + not_finite(p);
 }
 
 float DensityMap::transmittance(glm::vec3 p) const noexcept {
-  return std::exp(-optical_depth(p));
+  float result = 0;
+  read(face_of(p), std::span(&p, 1), std::span(&result, 1));
+  return result;
+}
+
+std::size_t DensityMap::bytes() const noexcept {
+  std::size_t sum = 0;
+  for (const Face& face : faces_) sum += face.grid.bytes();
+  return sum;
+}
+
+double DensityMap::deposited_area_m2() const noexcept {
+  const double cell = static_cast<double>(cell_size_m());
+  return faces_[0].grid.total() * cell * cell;
+}
+
+std::optional<DepthTexture> DensityMap::depth_texture() const {
+  const Face& face = faces_.front();
+  if (face.mapping.point_light || !face.mapping.slices.at.empty()) return std::nullopt;
+  if (!settings_.filter || !settings_.interpolate_depth) return std::nullopt;
+  DepthTexture texture;
+  texture.size = face.grid.cells();
+  for (int x = 0; x < texture.size.x; ++x) {
+    for (int y = 0; y < texture.size.y; ++y) {
+      for (int z = 0; z < texture.size.z; ++z) texture.depth.push_back(face.grid.value(x, y, z));
+    }
+  }
+  // Rows of the affine map: cells = axes (p - centre) * scale + offset, less where values sit in their cells.
+  const LightMapping& m = face.mapping;
+  const float at = face.grid.values() == DepthGrid::Values::centre ? 0.5F : 1.0F;
+  glm::mat4 map(1.0F);
+  for (int row = 0; row < 3; ++row) {
+    const glm::vec3 scaled = m.axes[row] * m.cells_per_unit[row];
+    for (int column = 0; column < 3; ++column) map[column][row] = scaled[column];
+    map[3][row] = m.offset[row] - glm::dot(scaled, m.centre) - at;
+  }
+  texture.world_to_cell = map;
+  return texture;
 }
 
 }  // namespace pelage

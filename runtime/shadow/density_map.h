@@ -1,57 +1,79 @@
-// Light-oriented density map [Bertails2005 section 2], in the corrected form of DESIGN section 6: how much light
-// reaches a point through the hair.
+// Light-oriented density map [Bertails2005]: optical depth from the light to any point through the hair.
 //
-// A box grid whose x axis runs along the light's travel; every segment deposits the area a D len sin(segment, light)
-// that it blocks, trilinearly; the running sum along x is optical depth. Depth is interpolated (trilinear,
-// cell-centred), the exponential taken at lookup. The grid is fitted to the hair, so nothing wraps and nothing folds.
-// Outside the box a point has the depth of the box's nearest border along the light: 0 before it, the column's total
-// behind it, and 0 beside it.
+// Three stages, each one function with its own time: fill (hair into cells), accumulate (along the light),
+// transmittance (filter: read at points). As the paper prints it, or corrected [DESIGN section 6], each correction a
+// switch of DensityMapSettings:
+// - a segment deposits the area a D len sin(segment, light) that it blocks, not a count per vertex; cut to half cells,
+//   spread trilinearly;
+// - values sit at cell centres and count half of their own cell, so that a fibre shadows itself by half;
+// - depth is interpolated and the exponential taken once at lookup, which also keeps it finite (hard case 6).
+// The paper's torus (cell index modulo N) is a way to store a box that moves through a space of constant size. Here the
+// occupied box itself is stored, densely, and grows with the hair: what the torus has to guard against (negative
+// indices, the first slice next to the last, hair that folds onto itself) cannot happen. `fitted = false` keeps the
+// paper's constant cells, anchored in space.
+// Before the hair, and beside it, a point has depth 0; behind it the column's total.
+// Point lights: one frustum around the hair where the light sees it within 50 degrees, else the six faces of a cube.
 #pragma once
 
-#include <cstdint>
-#include <glm/mat3x3.hpp>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
+#include "pelage/shadow/depth_grid.h"
+#include "pelage/shadow/hair_shadow.h"
+#include "pelage/shadow/light_mapping.h"
+
 namespace pelage {
 
-/// A straight piece of hair.
-struct Segment {
-  glm::vec3 a, b;  // metres
-};
-
-class DensityMap {
+class DensityMap final : public HairShadow {
  public:
-  /// @param segments     each coordinate within 1e9 m (InputError otherwise)
-  /// @param to_light     towards the light, any length > 0 (InputError otherwise)
-  /// @param blocked_width_m  a D: width [m] that a fibre blocks when seen from the side
-  /// @param resolution   cells along the longest side of the box, [1, 1024]
-  DensityMap(std::span<const Segment> segments, glm::vec3 to_light, float blocked_width_m, int resolution);
+  explicit DensityMap(const DensityMapSettings& settings) : settings_(settings) {}
+  /// Built at once. @throws as build
+  DensityMap(const DensityMapSettings& settings, const Strands& strands, float opacity, const Light& light)
+      : settings_(settings) {
+    build(strands, opacity, light);
+  }
 
-  /// Optical depth >= 0 between p and the light; NaN where p is not finite (a caller's error stays visible).
+  void build(const Strands& strands, float opacity, const Light& light) override;
+  void transmittance(std::span<const glm::vec3> points, std::span<float> out) const override;
+  std::size_t bytes() const noexcept override;
+  std::optional<DepthTexture> depth_texture() const override;
+  BuildTimes times() const noexcept override { return times_; }
+
+  /// Optical depth >= 0 between p and the light, up to 128; NaN where p is not finite.
   float optical_depth(glm::vec3 p) const noexcept;
-  /// exp(-optical_depth), in [0, 1].
   float transmittance(glm::vec3 p) const noexcept;
 
-  std::size_t bytes() const noexcept { return depth_.size() * sizeof(float); }
-  float cell_size_m() const noexcept { return cell_; }
-  /// Blocked area [m^2] that was deposited in all.
-  double deposited_area_m2() const noexcept { return deposited_area_m2_; }
+  /// Size of a cell across the light [m]; parallel light only.
+  float cell_size_m() const noexcept { return faces_.front().mapping.cell_across_m(); }
+  glm::ivec3 cells() const noexcept { return faces_.front().grid.cells(); }
+  /// Blocked area [m^2] that lies in the map; parallel light only.
+  double deposited_area_m2() const noexcept;
 
  private:
-  void fit_box(std::span<const Segment> segments, int resolution);
-  void deposit(glm::vec3 q, float depth) noexcept;
-  void sum_along_light() noexcept;
-  std::size_t index(int x, int y, int z) const noexcept;
-  float at(int x, int y, int z) const noexcept;
+  /// One grid: all of a parallel light, or a frustum of a point light.
+  struct Face {
+    LightMapping mapping;
+    DepthGrid grid;
+  };
+  void map_parallel(const Strands& strands, glm::vec3 to_light);
+  void map_point(const Strands& strands, glm::vec3 light);
+  void calibrate(const Strands& strands);
+  void slice_by_content(const Strands& strands, Face& face, glm::ivec3 cells) const;
+  void fill(const Strands& strands, float opacity, Face& face);
+  const Face& face_of(glm::vec3 p) const noexcept;
+  void read_faces(std::span<const glm::vec3> points, std::span<float> out) const noexcept;
+  void read(const Face& face, std::span<const glm::vec3> points, std::span<float> out) const noexcept;
 
-  glm::mat3 to_light_frame_{1.0F};  // rows: direction of travel, and two axes across it
-  glm::vec3 origin_{0.0F};          // of the grid, in the light's frame [m]
-  float cell_ = 1.0F;               // cell size ds [m]
-  glm::ivec3 size_{1};              // cells: along the light, across, across
-  std::vector<float> depth_;        // [x][y][z] optical depth from the light to the far end of the cell's centre plane
-  double deposited_area_m2_ = 0;
+  DensityMapSettings settings_;
+  std::vector<Face> faces_;
+  std::vector<glm::ivec3> cells_;  // [face], as planned
+  BuildTimes times_;
+  // Lengths do not change when hair moves; measured when the number of vertices does.
+  std::size_t calibrated_vertices_ = 0;
+  float blocked_area_m2_ = 0;  // D len of all segments, per vertex
+  float constant_extent_m_ = 0;
 };
 
 }  // namespace pelage

@@ -1,6 +1,8 @@
 #include "pelage/shadow/hair_shadow.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/shadow/density_map.h"
@@ -9,36 +11,40 @@ namespace pelage {
 namespace {
 
 class NoShadow final : public HairShadow {
+  void build(const Strands&, float, const Light&) override {}
   void transmittance(std::span<const glm::vec3>, std::span<float> out) const override {
     std::fill(out.begin(), out.end(), 1.0F);
   }
   std::size_t bytes() const noexcept override { return 0; }
 };
 
-class MappedShadow final : public HairShadow {
- public:
-  MappedShadow(std::span<const Segment> segments, const Light& light, float width_m, int resolution)
-      : map_(segments, light.direction, width_m, resolution) {}
-  void transmittance(std::span<const glm::vec3> points, std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = map_.transmittance(points[i]);
+std::unique_ptr<HairShadow> method_of(Method method, const ShadowSettings& settings) {
+  switch (method) {
+    case Method::density_map:
+      return std::make_unique<DensityMap>(settings.density_map);
+    case Method::unshadowed:
+      return std::make_unique<NoShadow>();
+    default:
+      throw UsageError("this method has no map of its own");
   }
-  std::size_t bytes() const noexcept override { return map_.bytes(); }
-
- private:
-  DensityMap map_;
-};
+}
 
 }  // namespace
 
 std::unique_ptr<HairShadow> make_shadow(Method method, const ShadowSettings& settings, const Strands& strands,
                                         float opacity, const Light& light) {
-  if (method == Method::unshadowed) return std::make_unique<NoShadow>();
-  std::vector<Segment> segments;
-  for (std::size_t s = 0; s < strands.count(); ++s) {
-    const auto points = strands.strand(s);
-    for (std::size_t i = 1; i < points.size(); ++i) segments.push_back({points[i - 1], points[i]});
-  }
-  return std::make_unique<MappedShadow>(segments, light, opacity * strands.diameter_m, settings.density_map.resolution);
+  auto shadow = method_of(method, settings);
+  shadow->build(strands, opacity, light);
+  return shadow;
+}
+
+void check_hair(const Strands& strands, float opacity) {
+  if (!(opacity >= 0.0F && opacity <= 1.0F))
+    throw InputError("shadow", "the opacity is " + std::to_string(opacity) + "; it lies between 0 and 1");
+  const bool known = strands.diameters_m.empty() ? strands.diameter_m > 0 && std::isfinite(strands.diameter_m)
+                                                 : strands.diameters_m.size() == strands.vertices.size();
+  if (!known && !strands.vertices.empty())
+    throw InputError("shadow", "the hair has no drawn diameter: set one, or one per vertex");
 }
 
 }  // namespace pelage

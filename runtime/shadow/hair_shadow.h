@@ -24,13 +24,21 @@ struct DepthTexture {
   glm::mat4 world_to_cell{1};  // affine. Beside the map in y or z (outside [0, size - 1]) the depth fades to 0
 };
 
+/// Of the two stages that build a map [Bertails2005 sections 3.1, 3.2]; the third, the filter, is transmittance().
+struct BuildTimes {
+  double fill_ms = 0, transmittance_ms = 0;
+};
+
 class HairShadow {
  public:
   virtual ~HairShadow() = default;
+  /// Built anew for moved hair or another light; memory is kept. @throws as make_shadow
+  virtual void build(const Strands& strands, float opacity, const Light& light) = 0;
   /// Transmittance in [0, 1] from the light to each point [metres]; NaN where a point is not finite (a caller's error
   /// stays visible). `out` is as long as `points`.
   virtual void transmittance(std::span<const glm::vec3> points, std::span<float> out) const = 0;
   virtual std::size_t bytes() const noexcept = 0;
+  virtual BuildTimes times() const noexcept { return {}; }
   /// None where lookups are not affine in space: point lights, layers behind the first hair, adaptive slices.
   virtual std::optional<DepthTexture> depth_texture() const { return std::nullopt; }
 };
@@ -39,5 +47,8 @@ class HairShadow {
 /// @throws InputError for a light without a direction, hair that is not finite, an opacity outside [0, 1], no diameter
 std::unique_ptr<HairShadow> make_shadow(Method method, const ShadowSettings& settings, const Strands& strands,
                                         float opacity, const Light& light);
+
+/// @throws InputError as make_shadow does, for the hair
+void check_hair(const Strands& strands, float opacity);
 
 }  // namespace pelage

@@ -86,27 +86,35 @@ TEST(SelfShadow, DensityMapShadowsFromOutside) {
   Cluster cluster = straight_cluster({.01F, 0, .01F});
   fill_disk(cluster, 10);
   const Scene scene(style_of(std::move(cluster)));
-  std::vector<Segment> sheet;
+  constexpr float kWidth_m = 1e-4F;
+  Strands sheet;
+  sheet.diameter_m = kWidth_m;
   for (int i = 0; i < 2000; ++i) {
     const float x = -0.1F + 0.2F * (static_cast<float>(i) + 0.5F) / 2000;
-    sheet.push_back({{x, -0.3F, 0.05F}, {x, 0.1F, 0.05F}});
+    sheet.append(std::array{glm::vec3(x, -0.3F, 0.05F), glm::vec3(x, 0.1F, 0.05F)});
   }
-  const float width_m = 1e-4F;
-  const DensityMap map(sheet, {0, 0, 1}, width_m, 64);
+  DensityMapSettings settings;
+  settings.resolution = 64;
+  const DensityMap map(settings, sheet, 1.0F, Light{{0, 0, 1}, {}, glm::vec3(1), 1});
   std::vector<std::uint16_t> shadows(scene.model.texels());
   build_shadows(scene.model, scene.source, {{0, 0, 1}, false, true, &map}, shadows);
-  const double expected = std::exp(-2000 * 1e-4 / 0.2);  // a D per spacing
+  const double expected = std::exp(-2000 * double(kWidth_m) / 0.2);  // a D per spacing
   // 2 %: the deposit's sampling of a sheet by 64 cells.
   for (const std::uint16_t s : shadows) ASSERT_NEAR(s / 65535.0, expected, 0.02);
 }
 
-TEST(HairSegments, JoinEveryStrandFromPlateToPlate) {
+TEST(HairStrands, JoinEveryStrandFromPlateToPlate) {
   Cluster cluster = straight_cluster({.01F, 0, .01F});
   fill_disk(cluster, 7);
   const Scene scene(style_of(std::move(cluster)));
-  const auto segments = hair_segments(scene.style, scene.model);
-  ASSERT_EQ(segments.size(), 7U * 8U);
-  for (const Segment& s : segments) EXPECT_NEAR(glm::distance(s.a, s.b), 0.2F / 8, 1e-4F);
+  const Strands strands = hair_strands(scene.style, scene.model);
+  ASSERT_EQ(strands.count(), 7U);
+  for (std::size_t s = 0; s < strands.count(); ++s) {
+    const auto points = strands.strand(s);
+    ASSERT_EQ(points.size(), 9U);
+    for (std::size_t i = 1; i < points.size(); ++i)
+      EXPECT_NEAR(glm::distance(points[i - 1], points[i]), 0.2F / 8, 1e-4F);
+  }
 }
 
 }  // namespace

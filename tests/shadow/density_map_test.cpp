@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -16,6 +17,21 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr float kWidth_m = 1e-4F;  // a D
+
+/// A straight piece of hair.
+struct Segment {
+  glm::vec3 a, b;  // metres
+};
+
+/// The corrected map of segments that block `width_m`, one strand each.
+DensityMap map_of(std::span<const Segment> segments, glm::vec3 to_light, float width_m, int resolution) {
+  Strands strands;
+  strands.diameter_m = width_m;
+  for (const Segment& s : segments) strands.append(std::array{s.a, s.b});
+  DensityMapSettings settings;
+  settings.resolution = resolution;
+  return {settings, strands, 1.0F, Light{to_light, {}, glm::vec3(1), 1}};
+}
 const std::vector<glm::vec3> kAxes{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
 /// Short segments everywhere in a box of half side `half_m`.
@@ -38,7 +54,7 @@ double blocked_area(std::span<const Segment> segments, glm::dvec3 to_light) {
 }
 
 TEST(DensityMap, EmptyMapLetsAllLightThrough) {
-  const DensityMap map({}, {0, 1, 0}, kWidth_m, 16);
+  const DensityMap map = map_of({}, {0, 1, 0}, kWidth_m, 16);
   for (const glm::vec3 p : {glm::vec3(0), glm::vec3(1, 2, 3), glm::vec3(-1e30F, 1e30F, 0)})
     EXPECT_EQ(map.transmittance(p), 1.0F);
   EXPECT_EQ(map.deposited_area_m2(), 0.0);
@@ -68,7 +84,7 @@ void expect_slab(double tilt_rad) {
   }
   const double density = 1 / (kSpacing * kSpacing) / (across ? 1.0 : std::cos(tilt_rad));
   const double expected = std::exp(-double(kWidth_m) * density * std::sin(tilt_rad) * kThick);
-  const DensityMap map(fibres, {-1, 0, 0}, kWidth_m, 48);
+  const DensityMap map = map_of(fibres, {-1, 0, 0}, kWidth_m, 48);
   double sum = 0;
   int count = 0;
   for (float y = -0.01F; y <= 0.01F; y += 0.0004F) {
@@ -87,20 +103,24 @@ TEST(DensityMap, SlabObeysBeerLambert) {
 }
 
 TEST(DensityMap, DepositsTheBlockedAreaWhereverTheLight) {
-  // 10,000 segments of float deposits: errors of eps each average out; 1e-5 leaves two digits.
+  // Each of 10,000 segments is rounded to whole quanta, an error of 0.29 quanta each, without bias; float positions and
+  // lengths leave 1e-6.
   const auto segments = random_segments(10'000, 0.1F);
   for (const glm::vec3 light : {glm::vec3(0, 1, 0), glm::vec3(1, 2, 3), glm::vec3(-0.6F, 0.8F, 0)}) {
     const double expected = blocked_area(segments, light);
     for (const int resolution : {1, 7, 64}) {
-      const DensityMap map(segments, light, kWidth_m, resolution);
-      EXPECT_NEAR(map.deposited_area_m2(), expected, 1e-5 * expected) << resolution;
+      const DensityMap map = map_of(segments, light, kWidth_m, resolution);
+      const double quantum_m2 = double(DepthGrid::kQuantum) * double(map.cell_size_m()) * double(map.cell_size_m());
+      const double tolerance = 1e-6 * expected + 4 * 0.29 * 100 * quantum_m2;
+      EXPECT_NEAR(map.deposited_area_m2(), expected, tolerance) << resolution;
+      EXPECT_LT(resolution == 64 ? tolerance : 0, 1e-5 * expected);
     }
   }
 }
 
 TEST(DensityMap, FibreAlongTheLightBlocksNothing) {
   const std::vector<Segment> along{{{0, 0, 0}, {0, 0.1F, 0}}};
-  const DensityMap map(along, {0, 1, 0}, kWidth_m, 32);
+  const DensityMap map = map_of(along, {0, 1, 0}, kWidth_m, 32);
   EXPECT_EQ(map.deposited_area_m2(), 0.0);
   EXPECT_EQ(map.transmittance({0, -1, 0}), 1.0F);
 }
@@ -112,7 +132,7 @@ TEST(DensityMap, DepthNeverDecreasesAwayFromTheLight) {
   std::vector<glm::vec3> lights = kAxes;
   lights.push_back({1, 2, -3});
   for (const glm::vec3& light : lights) {
-    const DensityMap map(segments, light, 10 * kWidth_m, 24);
+    const DensityMap map = map_of(segments, light, 10 * kWidth_m, 24);
     const glm::vec3 travel = -glm::normalize(light);
     for (int column = 0; column < 50; ++column) {
       const glm::vec3 p{uniform(random), uniform(random), uniform(random)};
@@ -130,7 +150,7 @@ TEST(DensityMap, DepthNeverDecreasesAwayFromTheLight) {
 TEST(DensityMap, IsOneBeforeTheHairAndTheColumnsTotalBehindIt) {
   const auto segments = random_segments(5000, 0.1F);
   for (const glm::vec3& light : kAxes) {
-    const DensityMap map(segments, light, 10 * kWidth_m, 24);
+    const DensityMap map = map_of(segments, light, 10 * kWidth_m, 24);
     const glm::vec3 across = glm::vec3(light.y, light.z, light.x);
     for (const float far_m : {0.2F, 1.0F, 1e6F, 1e30F}) {
       EXPECT_EQ(map.transmittance(far_m * light), 1.0F);  // hard case 2
@@ -144,17 +164,17 @@ TEST(DensityMap, IsOneBeforeTheHairAndTheColumnsTotalBehindIt) {
 TEST(DensityMap, LightNextToAnAxisGivesTheSameShadow) {
   const auto segments = random_segments(2000, 0.1F);
   for (const glm::vec3& light : kAxes) {
-    const DensityMap exact(segments, light, kWidth_m, 24);
-    const DensityMap off(segments, light + 1e-8F * glm::vec3(1, -1, 1), kWidth_m, 24);
+    const DensityMap exact = map_of(segments, light, kWidth_m, 24);
+    const DensityMap off = map_of(segments, light + 1e-8F * glm::vec3(1, -1, 1), kWidth_m, 24);
     for (const Segment& s : segments) EXPECT_NEAR(exact.optical_depth(s.a), off.optical_depth(s.a), 1e-5F);
   }
 }
 
 TEST(DensityMap, LengthOfTheLightVectorDoesNotMatter) {
   const auto segments = random_segments(500, 0.1F);
-  const DensityMap unit(segments, {0, 0.6F, 0.8F}, kWidth_m, 24);
+  const DensityMap unit = map_of(segments, {0, 0.6F, 0.8F}, kWidth_m, 24);
   for (const float scale : {1e-15F, 1e-3F, 1e3F, 1e15F}) {
-    const DensityMap map(segments, scale * glm::vec3(0, 0.6F, 0.8F), kWidth_m, 24);
+    const DensityMap map = map_of(segments, scale * glm::vec3(0, 0.6F, 0.8F), kWidth_m, 24);
     for (const Segment& s : segments) EXPECT_NEAR(unit.optical_depth(s.a), map.optical_depth(s.a), 1e-5F);
   }
 }
@@ -172,7 +192,7 @@ std::string why(const Action& action) {
 TEST(DensityMap, RefusesALightOfNoDirection) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   for (const glm::vec3 light : {glm::vec3(0), glm::vec3(NAN, 0, 1), glm::vec3(kInf, 0, 0)}) {
-    EXPECT_THAT(why([&] { DensityMap({}, light, kWidth_m, 8); }),
+    EXPECT_THAT(why([&] { map_of({}, light, kWidth_m, 8); }),
                 AllOf(HasSubstr("light"), HasSubstr("give a finite vector that is not zero")));
   }
 }
@@ -182,7 +202,7 @@ TEST(DensityMap, RefusesSegmentsThatAreNowhere) {
   for (const float bad : {NAN, kInf, -kInf, 1e30F}) {
     auto segments = random_segments(4, 0.1F);
     segments[2].b.y = bad;
-    EXPECT_THAT(why([&] { DensityMap(segments, {0, 1, 0}, kWidth_m, 8); }), HasSubstr("segment 2")) << bad;
+    EXPECT_THAT(why([&] { map_of(segments, {0, 1, 0}, kWidth_m, 8); }), HasSubstr("vertex 5")) << bad;
   }
 }
 
@@ -193,7 +213,7 @@ TEST(DensityMap, OddHairGivesFiniteShadows) {
   const std::vector<Segment> zeros{{{-0.0F, -0.0F, -0.0F}, {0, 0, 0}}, {{0, 0, 0}, {-1e-38F, 1e-38F, 0}}};
   for (const auto& hair : {none, point, points, tiny, far, zeros}) {
     for (const int resolution : {1, 2, 64}) {
-      const DensityMap map(hair, {0, 0, 1}, kWidth_m, resolution);
+      const DensityMap map = map_of(hair, {0, 0, 1}, kWidth_m, resolution);
       for (const glm::vec3 p : {glm::vec3(0), glm::vec3(-0.0F), glm::vec3(0.1F, 0.2F, 0.3F), glm::vec3(1e30F),
                                 glm::vec3(-1e30F), glm::vec3(1e6F, 0.05F, -1)}) {
         ASSERT_TRUE(map.optical_depth(p) >= 0 && std::isfinite(map.optical_depth(p)));
@@ -205,7 +225,7 @@ TEST(DensityMap, OddHairGivesFiniteShadows) {
 
 TEST(DensityMap, PointsThatAreNowhereStayVisible) {
   const auto segments = random_segments(1000, 0.1F);
-  const DensityMap map(segments, {0, 1, 0}, kWidth_m, 16);
+  const DensityMap map = map_of(segments, {0, 1, 0}, kWidth_m, 16);
   constexpr float kInf = std::numeric_limits<float>::infinity();
   for (const float bad : {NAN, kInf, -kInf}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -218,9 +238,9 @@ TEST(DensityMap, PointsThatAreNowhereStayVisible) {
 
 TEST(DensityMap, ThickHairUnderflowsToDarkNotToNaN) {
   const auto segments = random_segments(10'000, 0.1F);
-  const DensityMap map(segments, {0, 1, 0}, 1e3F * kWidth_m, 16);
+  const DensityMap map = map_of(segments, {0, 1, 0}, 1e3F * kWidth_m, 16);
   EXPECT_TRUE(std::isfinite(map.optical_depth({0, -1, 0})));
-  EXPECT_GT(map.optical_depth({0, -1, 0}), 200.0F);
+  EXPECT_GT(map.optical_depth({0, -1, 0}), 100.0F);
   EXPECT_EQ(map.transmittance({0, -1, 0}), 0.0F);
 }
 
@@ -233,7 +253,7 @@ TEST(DensityMap, AFibreShadowsItselfByHalfAndWhereItIs) {
     const std::vector<Segment> hair{{at - glm::vec3(0, 0, 0.06F), at + glm::vec3(0, 0, 0.06F)},
                                     {glm::vec3(-0.08F), glm::vec3(-0.08F)},
                                     {glm::vec3(0.08F), glm::vec3(0.08F)}};
-    const DensityMap map(hair, {0, 1, 0}, 0.01F, 16);
+    const DensityMap map = map_of(hair, {0, 1, 0}, 0.01F, 16);
     ASSERT_FLOAT_EQ(map.cell_size_m(), kCell_m);
     const float total = map.optical_depth(at - glm::vec3(0, 0.05F, 0));
     EXPECT_GE(total, 0.5F) << "a D / ds, spread over two columns";
@@ -253,12 +273,12 @@ TEST(DensityMap, AFibreShadowsItselfByHalfAndWhereItIs) {
 TEST(DensityMap, MovesWithTheHair) {
   // Shifted by whole cells, the same numbers but for the rounding of coordinates.
   const auto segments = random_segments(3000, 0.1F);
-  const DensityMap map(segments, {0, 1, 0}, kWidth_m, 32);
+  const DensityMap map = map_of(segments, {0, 1, 0}, kWidth_m, 32);
   for (const float cells : {1.0F, -7.0F, 1000.0F}) {
     const glm::vec3 move = cells * map.cell_size_m() * glm::vec3(1, -1, 1);
     auto moved = segments;
     for (Segment& s : moved) s.a += move, s.b += move;
-    const DensityMap other(moved, {0, 1, 0}, kWidth_m, 32);
+    const DensityMap other = map_of(moved, {0, 1, 0}, kWidth_m, 32);
     // Coordinates of `cells` cells round to eps * cells of one cell; depths change by about as much of themselves.
     const float tolerance = 1e-5F + 4 * std::numeric_limits<float>::epsilon() * std::abs(cells);
     for (const Segment& s : segments) ASSERT_NEAR(map.optical_depth(s.a), other.optical_depth(s.a + move), tolerance);
@@ -267,7 +287,7 @@ TEST(DensityMap, MovesWithTheHair) {
 
 TEST(DensityMap, DepthIsContinuousAcrossCellsAndTheBoxesBorder) {
   const auto segments = random_segments(2000, 0.1F);
-  const DensityMap map(segments, {0, 1, 0}, 10 * kWidth_m, 16);
+  const DensityMap map = map_of(segments, {0, 1, 0}, 10 * kWidth_m, 16);
   const float step = 1e-3F * map.cell_size_m();
   for (const glm::vec3 d : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
     // Trilinear: at most the largest difference of neighbours per cell; the greatest depth bounds that.
