@@ -10,6 +10,15 @@ struct HairMaterial {
 
 float sine_between(vec3 a, vec3 b) { return min(length(cross(a, b)), 1.0); }
 
+/// The normal of a lone strand: across t, towards the viewer; where the viewer looks along it, any across it.
+vec3 facing_normal(vec3 t, vec3 v) {
+  vec3 across = v - dot(v, t) * t;
+  float length_across = length(across);
+  if (length_across > 1e-4) return across / length_across;
+  vec3 axis = abs(t.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
+  return normalize(axis - dot(axis, t) * t);
+}
+
 float diffuse_lobe(vec3 t, vec3 l) { return sine_between(t, l); }
 
 float specular_lobe(vec3 t, vec3 l, vec3 v, float exponent) {

@@ -1,6 +1,8 @@
 #version 430 core
-// Exact order: sorts the fragments of each pixel by depth and blends them over the target, back to front (eq. 14).
+// Exact order: blends the fragments of each pixel front to back [Xu2006 eq. 14], the nearest kBatch at a time, until the
+// list ends or hardly anything shines through. Lists may be of any length.
 
+// A list's links are slots plus one, 0 ends it: helper invocations, which read 0, must not loop for ever.
 struct Fragment { uint rg, ba; float depth; uint next; };
 layout(std430, binding = 3) readonly buffer Fragments { uint fragment_count; uint pad0, pad1, pad2; Fragment fragments[]; };
 layout(std430, binding = 4) readonly buffer Heads { uint heads[]; };
@@ -8,30 +10,50 @@ uniform uint heads_width;
 
 layout(location = 0) out vec4 colour;
 
-const int kMost = 256;  // of a pixel; older fragments of a longer list are left out
-const uint kEnd = 0xffffffffu;
+const int kBatch = 24;
+const float kOpaque = 1.0 / 4096.0;  // half of what the half floats of a colour resolve
+
+/// A total order that does not depend on the order of drawing, but for fragments that are the same anyway.
+bool nearer(uint a, uint b) {
+  Fragment f = fragments[a - 1u], g = fragments[b - 1u];
+  if (f.depth != g.depth) return f.depth < g.depth;
+  if (f.ba != g.ba) return f.ba < g.ba;
+  if (f.rg != g.rg) return f.rg < g.rg;
+  return a < b;
+}
 
 void main() {
-  uint order[kMost];
-  int count = 0;
-  uint at = heads[uint(gl_FragCoord.y) * heads_width + uint(gl_FragCoord.x)];
-  while (at != kEnd && count < kMost) {
-    float depth = fragments[at].depth;
-    int i = count++;
-    // Fragments of equal depth keep the order of the list.
-    while (i > 0 && fragments[order[i - 1]].depth < depth) {
-      order[i] = order[i - 1];
-      --i;
+  uint head = heads[uint(gl_FragCoord.y) * heads_width + uint(gl_FragCoord.x)];
+  if (head == 0u) discard;
+  uint batch[kBatch];
+  uint last = 0u;  // the farthest that was blended
+  int count = kBatch;
+  vec3 sum = vec3(0.0);
+  float through = 1.0;
+  while (count == kBatch && through > kOpaque) {
+    count = 0;
+    uint at = head;
+    while (at != 0u) {
+      if ((last == 0u || nearer(last, at)) && (count < kBatch || nearer(at, batch[kBatch - 1]))) {
+        count = min(count + 1, kBatch);
+        int i = count - 1;
+        while (i > 0) {
+          // Not part of the loop's condition: Mesa 22.3 then reads batch[-1] and sorts wrongly.
+          if (!nearer(at, batch[i - 1])) break;
+          batch[i] = batch[i - 1];
+          --i;
+        }
+        batch[i] = at;
+      }
+      at = fragments[at - 1u].next;
     }
-    order[i] = at;
-    at = fragments[at].next;
+    for (int i = 0; i < count; ++i) {
+      Fragment f = fragments[batch[i] - 1u];
+      vec2 ba = unpackHalf2x16(f.ba);
+      sum += through * vec3(unpackHalf2x16(f.rg), ba.x);
+      through *= 1.0 - ba.y;
+    }
+    if (count > 0) last = batch[count - 1];
   }
-  vec4 sum = vec4(0.0);
-  for (int i = 0; i < count; ++i) {  // farthest first
-    Fragment f = fragments[order[i]];
-    vec2 ba = unpackHalf2x16(f.ba);
-    vec4 c = vec4(unpackHalf2x16(f.rg), ba);
-    sum = c + (1.0 - c.a) * sum;
-  }
-  colour = sum;
+  colour = vec4(sum, 1.0 - through);
 }

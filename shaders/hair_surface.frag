@@ -5,6 +5,8 @@
 // that crosses the sector moves instead of fading (DESIGN section 5), and averaged over the pixel's footprint around.
 
 #include "common_lobes.glsl"
+#include "common_lights.glsl"
+#include "common_output.glsl"
 
 struct MapInfo {
   uint first_texel;  // of row 0
@@ -19,10 +21,6 @@ layout(std430, binding = 0) readonly buffer Texels { uint texels[]; };       // 
 layout(std430, binding = 1) readonly buffer Maps { MapInfo maps[]; };        // [instance * layers + layer]
 layout(std430, binding = 2) readonly buffer Drift { float drift[]; };        // [sector] change of s to the next plate
 
-const int kMaxLights = 4;
-uniform int light_count;
-uniform vec3 to_light[kMaxLights];    // unit
-uniform vec3 light_colour[kMaxLights];
 uniform uint texels_per_light;
 uniform int rows;                     // plates + 1
 uniform int samples;                  // of a record along s
@@ -32,7 +30,7 @@ uniform bool use_curvature;
 uniform float max_path;               // longest march of a record, in heights of a sector
 uniform vec3 eye;
 uniform HairMaterial material;
-uniform vec3 ambient;                 // unshadowed, times the diffuse colour [Bertails2005 section 3.3]
+uniform float ambient;                // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
 
 in vec3 world;
 in vec3 world_tangent;
@@ -41,17 +39,6 @@ in vec2 at;
 in vec3 view_in_disk;
 flat in uint map_of;
 flat in uint inner_surface;
-
-#ifdef PELAGE_PER_PIXEL_LISTS
-layout(early_fragment_tests) in;
-struct Fragment { uint rg, ba; float depth; uint next; };
-layout(std430, binding = 3) buffer Fragments { uint fragment_count; uint pad0, pad1, pad2; Fragment fragments[]; };
-layout(std430, binding = 4) buffer Heads { uint heads[]; };
-uniform uint fragment_capacity;
-uniform uint heads_width;
-#else
-layout(location = 0) out vec4 colour;
-#endif
 
 /// Premultiplied: (alpha, alpha * re, alpha * transmittance * re) of one texel.
 vec3 texel(MapInfo map, uint light, int row, int x) {
@@ -130,9 +117,10 @@ void main() {
     vec3 next = row_mean(map, uint(i), row + 1, at.x + moved * (1.0 - along), footprint);
     vec3 mean = end_fade(at.y) * mix(here, next, along);
     alpha = mean.x;
-    premultiplied += mean.z * hair_lighting(m, t, n, to_light[i], v) * light_colour[i];
+    Arriving light = arriving(i, world);
+    vec3 lit = mean.z * hair_lighting(m, t, n, light.to_light, v) + alpha * ambient * m.diffuse.rgb;
+    premultiplied += lit * light.irradiance;
   }
-  premultiplied += alpha * ambient * m.diffuse.rgb;
   if (alpha < 1.0 / 2048.0) discard;
   if (use_curvature) {
     float cos_t = view_in_disk.x / max(length(view_in_disk.xy), 1e-6);
@@ -141,16 +129,5 @@ void main() {
     premultiplied *= curved / alpha;
     alpha = curved;
   }
-
-#ifdef PELAGE_PER_PIXEL_LISTS
-  uint slot = atomicAdd(fragment_count, 1u);
-  if (slot < fragment_capacity) {
-    uint pixel = uint(gl_FragCoord.y) * heads_width + uint(gl_FragCoord.x);
-    uint next_slot = atomicExchange(heads[pixel], slot);
-    fragments[slot] = Fragment(packHalf2x16(premultiplied.rg), packHalf2x16(vec2(premultiplied.b, alpha)),
-                               gl_FragCoord.z, next_slot);
-  }
-#else
-  colour = vec4(premultiplied, alpha);
-#endif
+  put_fragment(vec4(premultiplied, alpha));
 }

@@ -1,12 +1,12 @@
 #version 430 core
 // The head under the hair: Lambert with wrap, shadowed by the hair.
-const int kMaxLights = 4;
-uniform int light_count;
-uniform vec3 to_light[kMaxLights];
-uniform vec3 light_colour[kMaxLights];
-uniform vec3 skin;
-uniform float ambient;
 
+#include "common_lights.glsl"
+
+uniform vec3 skin;
+uniform float ambient;  // unshadowed share
+
+in vec3 world;
 in vec3 world_normal;
 in vec4 light_through;
 
@@ -14,10 +14,11 @@ layout(location = 0) out vec4 colour;
 
 void main() {
   vec3 n = normalize(world_normal);
-  vec3 sum = vec3(ambient);
+  vec3 sum = vec3(0.0);
   for (int i = 0; i < light_count; ++i) {
-    float lambert = max((dot(n, to_light[i]) + 0.15) / 1.15, 0.0);
-    sum += lambert * light_through[i] * light_colour[i];
+    Arriving light = arriving(i, world);
+    float lambert = max((dot(n, light.to_light) + 0.15) / 1.15, 0.0);
+    sum += (lambert * light_through[i] + ambient) * light.irradiance;
   }
   colour = vec4(skin * sum, 1.0);
 }

@@ -5,10 +5,12 @@ layout(location = 2) in vec4 transmittance;  // of the hair, towards each light
 
 uniform mat4 world_to_clip;
 
+out vec3 world;
 out vec3 world_normal;
 out vec4 light_through;
 
 void main() {
+  world = position;
   world_normal = normal;
   light_through = transmittance;
   gl_Position = world_to_clip * vec4(position, 1.0);

@@ -14,7 +14,10 @@ namespace {
 
 const std::map<std::string_view, std::string_view>& embedded_shaders() {
   static const std::map<std::string_view, std::string_view> files{
+      {"common_depth_map.glsl", shaders::common_depth_map_glsl},
+      {"common_lights.glsl", shaders::common_lights_glsl},
       {"common_lobes.glsl", shaders::common_lobes_glsl},
+      {"common_output.glsl", shaders::common_output_glsl},
       {"hair_surface.vert", shaders::hair_surface_vert},
       {"hair_surface.frag", shaders::hair_surface_frag},
       {"hair_list_resolve.frag", shaders::hair_list_resolve_frag},
@@ -23,7 +26,10 @@ const std::map<std::string_view, std::string_view>& embedded_shaders() {
       {"screen.vert", shaders::screen_vert},
       {"downsample.frag", shaders::downsample_frag},
       {"present.frag", shaders::present_frag},
-      {"test_lobes.comp", shaders::test_lobes_comp}};
+      {"strands.vert", shaders::strands_vert},
+      {"strands.frag", shaders::strands_frag},
+      {"weighted_resolve.frag", shaders::weighted_resolve_frag},
+      {"test_twins.comp", shaders::test_twins_comp}};
   return files;
 }
 

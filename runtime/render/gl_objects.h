@@ -73,6 +73,7 @@ class Framebuffer {
   Framebuffer& operator=(const Framebuffer&) = delete;
   void bind() const noexcept;  ///< also sets the viewport
   GLuint colour() const noexcept { return colour_; }
+  GLuint depth() const noexcept { return depth_; }  ///< renderbuffer, 0 without depth
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
 

@@ -1,4 +1,4 @@
-// All drawing of a frame: head, layers of hair, blending [Xu2006 eq. 14]. Holds GPU resources only; what to draw comes
+// Drawing of a SATF frame: head, layers of hair, blending [Xu2006 eq. 14]. Holds GPU resources only; what to draw comes
 // with each call. Needs a current OpenGL 4.3 context for its whole life.
 #pragma once
 
@@ -12,16 +12,12 @@
 
 #include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/scene.h"
-#include "pelage/image/image.h"
 #include "pelage/render/hair_surfaces.h"
+#include "pelage/render/head_renderer.h"
+#include "pelage/render/shader_inputs.h"
 #include "pelage/satf/maps.h"
 
 namespace pelage {
-
-class Framebuffer;
-
-/// Most lights of a frame.
-inline constexpr std::size_t kMaxLights = 4;
 
 struct DrawRequest {
   glm::mat4 world_to_clip{1.0F};
@@ -38,9 +34,7 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  void set_head(const Mesh& head);
-  /// Transmittance of the hair at the head's vertices, one component per light.
-  void set_head_shadow(std::span<const glm::vec4> transmittance);
+  HeadRenderer& head() noexcept { return head_; }
   void set_hair(const HairSurfaces& surfaces, const SatfModel& model, std::span<const Cluster> clusters);
   /// [light][texel]
   void set_texels(std::span<const Texel> texels);
@@ -52,20 +46,10 @@ class Renderer {
   /// @throws GraphicsError when OpenGL reports an error (out of memory, context lost)
   void draw(const DrawRequest& request, Framebuffer& target);
 
-  /// Mean of supersampling x supersampling samples into `out` at (x0, y0), as far as `out` reaches.
-  void read(Framebuffer& target, int supersampling, Image& out, int x0, int y0);
-
-  /// Shows `target`, exposed and over a background, on the window's own framebuffer of the same size.
-  void present(Framebuffer& target, float exposure, const glm::vec3& background);
-
-  /// hair_lighting() evaluated on the GPU, for the test of the twins. Inputs [n] each.
-  std::vector<glm::vec4> lobes_on_gpu(const HairMaterial& material, std::span<const glm::vec4> t_n_l_v);
-
  private:
-  void draw_head(const DrawRequest& request);
   void draw_hair(const DrawRequest& request, bool lists);
-  void draw_exact(const DrawRequest& request, Framebuffer& target);
   struct Resources;
+  HeadRenderer head_;
   std::unique_ptr<Resources> gl_;
 };
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
 #include "pelage/data_schema/errors.h"
-#include "pelage/render/gl_objects.h"
 #include "pelage/satf/self_shadow.h"
 
 namespace pelage {
@@ -33,15 +31,6 @@ FrameSettings with_light(FrameSettings frame) {
   return frame;
 }
 
-/// Maps the part (x0, y0, w, h) of a picture of W x H pixels (row 0 at the top) to the whole of clip space.
-glm::mat4 tile_matrix(int x0, int y0, int w, int h, int W, int H) {
-  const auto f = [](int v) { return static_cast<float>(v); };
-  const glm::vec3 scale{f(W) / f(w), f(H) / f(h), 1.0F};
-  const float cx = (2.0F * f(x0) + f(w)) / f(W) - 1.0F;
-  const float cy = 1.0F - (2.0F * f(y0) + f(h)) / f(H);
-  return glm::translate(glm::scale(glm::mat4(1.0F), scale), glm::vec3(-cx, -cy, 0.0F));
-}
-
 }  // namespace
 
 SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, const BakeSettings& bake, Mesh head)
@@ -61,7 +50,7 @@ SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, cons
     strands_ = hair_strands(style_, model_);
     stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
     renderer_.set_hair(surfaces_, model_, style_.clusters);
-    if (!head_.vertices.empty()) renderer_.set_head(head_);
+    if (!head_.vertices.empty()) renderer_.head().set_head(head_);
   }
   for (const SurfaceVertex& v : surfaces_.vertices) bounds_.add(v.position);
   for (const glm::vec3& p : head_.vertices) bounds_.add(p);
@@ -70,9 +59,9 @@ SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, cons
 SatfFrame::~SatfFrame() = default;
 
 void SatfFrame::update(const FrameSettings& frame) {
-  if (frame.lights.size() > kMaxLights) {
-    throw UsageError("the scene has " + std::to_string(frame.lights.size()) + " lights; at most " +
-                     std::to_string(kMaxLights) + " are drawn");
+  check_light_count(frame.lights);
+  for (const Light& light : frame.lights) {
+    if (light.position) throw UsageError("method satf takes directional lights only; give the light a direction");
   }
   if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);
   if (!last_ || !same_maps(*last_, frame)) update_maps(frame);
@@ -101,7 +90,7 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
     build_shadows(model_, *source_, request, shadows_[i]);
     stage.bytes(shadows_[i].size() * sizeof(std::uint16_t));
   }
-  if (!head_.vertices.empty()) renderer_.set_head_shadow(on_head);
+  if (!head_.vertices.empty()) renderer_.head().set_shadow(on_head);
 }
 
 void SatfFrame::update_maps(const FrameSettings& frame) {
@@ -128,8 +117,14 @@ void SatfFrame::update_order(const FrameSettings& frame) {
   stage.bytes(indices_.size() * sizeof(std::uint32_t));
 }
 
-DrawRequest SatfFrame::request_of(const FrameSettings& frame, float aspect) const {
-  return {world_to_clip(frame.camera, bounds_, aspect), frame.camera.eye, frame.lights, frame.material, frame.satf};
+PictureOutput::Draw SatfFrame::draw_of(const FrameSettings& frame, float aspect) {
+  const DrawRequest whole{world_to_clip(frame.camera, bounds_, aspect), frame.camera.eye, frame.lights, frame.material,
+                          frame.satf};
+  return [this, whole](const glm::mat4& part, Framebuffer& target) {
+    DrawRequest request = whole;
+    request.world_to_clip = part * whole.world_to_clip;
+    renderer_.draw(request, target);
+  };
 }
 
 void SatfFrame::show(const FrameSettings& settings, int width, int height, float exposure,
@@ -137,37 +132,16 @@ void SatfFrame::show(const FrameSettings& settings, int width, int height, float
   const FrameSettings frame = with_light(settings);
   ledger_.begin_frame();
   update(frame);
-  auto stage = ledger_.run("draw");
-  if (!window_target_ || window_target_->width() != width || window_target_->height() != height) {
-    window_target_ = std::make_unique<Framebuffer>(width, height, GL_RGBA16F, true);
-  }
-  renderer_.draw(request_of(frame, static_cast<float>(width) / static_cast<float>(height)), *window_target_);
-  renderer_.present(*window_target_, exposure, background);
+  const PictureSize size{width, height};
+  output_.show(size, exposure, background, ledger_, draw_of(frame, size.aspect()));
 }
 
 Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples) {
   const FrameSettings frame = with_light(settings);
   if (last_) ledger_.begin_frame();
   update(frame);
-  Image image(width, height);
-  const DrawRequest whole = request_of(frame, static_cast<float>(width) / static_cast<float>(height));
-  const int side = std::max(1, tile_samples / supersampling);
-  const int w = std::min(width, side), h = std::min(height, side);
-  Framebuffer target(w * supersampling, h * supersampling, GL_RGBA16F, true);
-  for (int y = 0; y < height; y += h) {
-    for (int x = 0; x < width; x += w) {
-      DrawRequest tile = whole;
-      tile.world_to_clip = tile_matrix(x, y, w, h, width, height) * whole.world_to_clip;
-      {
-        auto stage = ledger_.run("draw");
-        renderer_.draw(tile, target);
-        glFinish();
-      }
-      auto stage = ledger_.run("read");
-      renderer_.read(target, supersampling, image, x, y);
-    }
-  }
-  return image;
+  const PictureSize size{width, height, supersampling, tile_samples};
+  return output_.render(size, ledger_, draw_of(frame, size.aspect()));
 }
 
 }  // namespace pelage

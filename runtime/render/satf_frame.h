@@ -14,14 +14,12 @@
 #include "pelage/db/record_source.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
+#include "pelage/render/picture_output.h"
 #include "pelage/render/renderer.h"
 #include "pelage/render/stages.h"
 #include "pelage/shadow/density_map.h"
 
 namespace pelage {
-
-/// Side of a tile in samples: bounds the memory of a frame whatever its size.
-inline constexpr int kTileSamples = 2048;
 
 /// Everything that may change from frame to frame.
 struct FrameSettings {
@@ -52,7 +50,7 @@ class SatfFrame {
   void update_shadows(const FrameSettings& frame);
   void update_maps(const FrameSettings& frame);
   void update_order(const FrameSettings& frame);
-  DrawRequest request_of(const FrameSettings& frame, float aspect) const;
+  PictureOutput::Draw draw_of(const FrameSettings& frame, float aspect);
 
   StageLedger ledger_;
   Hairstyle style_;
@@ -66,8 +64,8 @@ class SatfFrame {
   std::vector<std::uint32_t> indices_;
   Bounds bounds_;
   std::optional<FrameSettings> last_;
-  std::unique_ptr<Framebuffer> window_target_;
   Renderer renderer_;
+  PictureOutput output_{GL_RGBA16F};
 };
 
 }  // namespace pelage

@@ -36,7 +36,7 @@ struct Scene {
     request.settings.draw_order = order;
     renderer.draw(request, target);
     Image image(96, 96);
-    renderer.read(target, 1, image, 0, 0);
+    output.read(target, 1, image, 0, 0);
     return test::checked(std::move(image));
   }
   Image draw(DrawOrder order) { return draw(order, indices(order)); }
@@ -46,6 +46,7 @@ struct Scene {
   HairSurfaces surfaces;
   Bounds bounds;
   Renderer renderer;
+  PictureOutput output{GL_RGBA16F};
 };
 
 class Order : public test::WithOpenGl {};

@@ -203,7 +203,7 @@ TEST_F(Frame, ALaterFrameEqualsAFreshOne) {
     change(all.back());
   };
   then([](FrameSettings& s) { s.camera.eye = {0.3F, 0.2F, 0.4F}; });
-  then([](FrameSettings& s) { s.lights.push_back({{-1, 0.2F, 0.3F}, {1, 0.5F, 0.2F}, 0.7F}); });
+  then([](FrameSettings& s) { s.lights.push_back({{-1, 0.2F, 0.3F}, {}, {1, 0.5F, 0.2F}, 0.7F}); });
   then([](FrameSettings& s) { s.satf.self_shadow = SelfShadow::none; });
   then([](FrameSettings& s) { s.satf.self_shadow = SelfShadow::paper; });
   then([](FrameSettings& s) { s.satf.self_shadow_strength = 0.3F; });
@@ -260,7 +260,7 @@ TEST_F(Frame, RefusesMoreLightsThanItDraws) {
 TEST_F(Frame, LightsAddUp) {
   const auto frame = frame_of(test::three_locks());
   FrameSettings settings = front_view();
-  const Light a{{1, 1, 1}, {1, 1, 1}, 0.5F}, b{{-1, 0.5F, 0.2F}, {0.2F, 1, 0.4F}, 0.8F};
+  const Light a{{1, 1, 1}, {}, {1, 1, 1}, 0.5F}, b{{-1, 0.5F, 0.2F}, {}, {0.2F, 1, 0.4F}, 0.8F};
   const auto with = [&](std::vector<Light> lights) {
     settings.lights = std::move(lights);
     return checked(frame->render(settings, 64, 48, 1));

@@ -60,7 +60,7 @@ TEST_F(Golden, Lock) {
   FrameSettings frame = test::front_view();
   frame.camera.eye = {0.1F, 0.15F, 0.55F};
   frame.camera.target = {0, 0.1F, 0};
-  frame.lights = {{{0.5F, 0.8F, 0.7F}, glm::vec3(1), 2.0F}, {{-0.8F, 0.2F, -0.4F}, {0.8F, 0.9F, 1}, 0.6F}};
+  frame.lights = {{{0.5F, 0.8F, 0.7F}, {}, glm::vec3(1), 2.0F}, {{-0.8F, 0.2F, -0.4F}, {}, {0.8F, 0.9F, 1}, 0.6F}};
   // Written out, so that new defaults leave the picture alone.
   frame.material = {"golden",     glm::vec3(0.2F, 0.1F, 0.05F),
                     glm::vec3(1), glm::vec3(0.3F, 0.15F, 0.08F),

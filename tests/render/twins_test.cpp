@@ -1,10 +1,15 @@
-// The GPU's lobes against the CPU's.
+// What shaders compute against what the CPU computes: lobes, the normal of a lone strand, lights, depth maps.
+#include <epoxy/gl.h>
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <random>
 
 #include "fixture.h"
+#include "pelage/render/shader_inputs.h"
+#include "pelage/render/strand_renderer.h"
+#include "pelage/shading/light.h"
 #include "pelage/shading/lobes.h"
 
 namespace pelage {
@@ -12,57 +17,173 @@ namespace {
 
 class Twins : public test::WithOpenGl {};
 
-/// Unit vectors, t and n across each other; every seventh case has parallel or opposite ones.
-std::vector<glm::vec4> cases(std::size_t count) {
-  std::mt19937 random(17);
-  const auto direction = [&] {
-    const double z = 2.0 * double(random()) / 4294967295.0 - 1,
-                 phi = 6.283185307179586 * double(random()) / 4294967295.0;
-    const double r = std::sqrt(1 - z * z);
+/// Mirrors Case and Result of shaders/test_twins.comp.
+struct Case {
+  glm::vec4 t, n, l, v, at;
+};
+struct Result {
+  glm::vec4 lighting, facing, to_light, irradiance;
+};
+
+std::vector<Result> on_gpu(std::span<const Case> cases, const HairMaterial& material, const Light& light,
+                           const DepthTexture* map = nullptr) {
+  const Program p("test_twins.comp");
+  Buffer in, out;
+  DepthMaps maps;
+  in.upload(GL_SHADER_STORAGE_BUFFER, cases, GL_STATIC_DRAW);
+  out.allocate(GL_SHADER_STORAGE_BUFFER, cases.size() * sizeof(Result), GL_STREAM_READ);
+  if (map != nullptr) maps.upload({map, 1});
+  glUseProgram(p.id());
+  set_material(p, material, {});
+  set_lights(p, {&light, 1});
+  maps.bind(p);
+  glUniform1i(p.at("use_map"), map != nullptr ? 1 : 0);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.id());
+  glDispatchCompute(static_cast<GLuint>((cases.size() + 63) / 64), 1, 1);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::vector<Result> results(cases.size());
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, out.id());
+  glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(cases.size() * sizeof(Result)),
+                     results.data());
+  check_opengl("the twins");
+  return results;
+}
+
+/// Uniform over the sphere, [0, 1).
+struct Random {
+  std::mt19937 bits{17};
+  double unit() { return double(bits()) / 4294967296.0; }
+  glm::vec3 direction() {
+    const double z = 2.0 * unit() - 1, phi = 6.283185307179586 * unit(), r = std::sqrt(1 - z * z);
     return glm::normalize(glm::vec3(glm::dvec3(r * std::cos(phi), r * std::sin(phi), z)));
-  };
-  std::vector<glm::vec4> all;
+  }
+};
+
+/// Unit vectors, t and n across each other; every seventh case has parallel or opposite ones (hard case 19).
+std::vector<Case> cases(std::size_t count) {
+  Random random;
+  std::vector<Case> all;
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::vec3 t = i % 11 == 0 ? glm::vec3(0, 1, 0) : direction();
-    glm::vec3 l = direction(), v = direction();
+    const glm::vec3 t = i % 11 == 0 ? glm::vec3(0, 1, 0) : random.direction();
+    glm::vec3 l = random.direction(), v = random.direction();
     if (i % 7 == 0) l = i % 2 == 0 ? t : -t;
     if (i % 14 == 1) v = l;
     if (i % 14 == 2) v = -l;
     if (i % 14 == 3) v = t;
     if (i % 14 == 4) v = glm::normalize(l - 2.0F * glm::dot(l, t) * t);  // into the highlight
     const glm::vec3 n = glm::normalize(glm::cross(t, std::abs(t.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1)));
-    for (const glm::vec3& x : {t, n, l, v}) all.emplace_back(x, 0.0F);
+    const glm::vec3 at = 0.3F * random.direction();
+    all.push_back({glm::vec4(t, 0), glm::vec4(n, 0), glm::vec4(l, 0), glm::vec4(v, 0), glm::vec4(at, 0)});
   }
   return all;
 }
 
+constexpr float kEps = std::numeric_limits<float>::epsilon();
+
 TEST_F(Twins, GpuLobesEqualCpuLobes) {
-  constexpr float kEps = std::numeric_limits<float>::epsilon();
-  Renderer renderer;
   const auto in = cases(4000);
   for (const float exponent : {1.0F, 20.0F, 80.0F, 1000.0F}) {
     HairMaterial m;
     m.primary_exponent = exponent;
     m.secondary_exponent = 0.5F * exponent + 0.5F;
-    const auto gpu = renderer.lobes_on_gpu(m, in);
-    ASSERT_EQ(gpu.size(), in.size() / 4);
+    const auto gpu = on_gpu(in, m, {});
     // Base: 8 eps as in tests/shading, on either side. pow is exp2(e log2(b)) with log2 within 2^-21 near 1 and exp2
     // within 3 ulp [GLSL 4.30 section 4.5.1]: relative ln2 e 2^-21 + 4 eps.
     const float relative = exponent * (16 * kEps + 0.6932F * 0x1p-21F) + 8 * kEps;
     const float tolerance = relative * (m.primary + m.secondary) + 8 * kEps;
     float most = 0;
     for (std::size_t i = 0; i < gpu.size(); ++i) {
-      const auto vec = [&](std::size_t k) { return glm::vec3(in[4 * i + k]); };
-      const glm::vec3 cpu = hair_lighting(m, {}, vec(0), vec(1), vec(2), vec(3));
+      const glm::vec3 cpu =
+          hair_lighting(m, {}, glm::vec3(in[i].t), glm::vec3(in[i].n), glm::vec3(in[i].l), glm::vec3(in[i].v));
       for (int c = 0; c < 3; ++c) {
-        ASSERT_TRUE(std::isfinite(gpu[i][c])) << i;
-        most = std::max(most, std::abs(gpu[i][c] - cpu[c]));
+        ASSERT_TRUE(std::isfinite(gpu[i].lighting[c])) << i;
+        most = std::max(most, std::abs(gpu[i].lighting[c] - cpu[c]));
       }
       ASSERT_LE(most, tolerance) << "case " << i << ", exponent " << exponent;
     }
     std::printf("exponent %g: largest difference %.2g, tolerance %.2g\n", double(exponent), double(most),
                 double(tolerance));
   }
+}
+
+TEST_F(Twins, GpuNormalOfALoneStrandEqualsCpu) {
+  const auto in = cases(4000);
+  const auto gpu = on_gpu(in, {}, {});
+  for (std::size_t i = 0; i < gpu.size(); ++i) {
+    const glm::vec3 t(in[i].t), v(in[i].v), cpu = facing_normal(t, v);
+    // v - (v.t) t has an error of 4 eps, which its length, at least 1e-4, magnifies.
+    const float sine = std::max(glm::length(glm::cross(t, v)), 1e-4F);
+    ASSERT_LE(glm::length(glm::vec3(gpu[i].facing) - cpu), 8 * kEps / sine + 4 * kEps) << i;
+  }
+}
+
+TEST_F(Twins, GpuLightsEqualCpuLights) {
+  auto in = cases(500);
+  in[0].at = {0.1F, 0.2F, 0.3F, 0};          // at the light
+  in[1].at = {0.1F, 0.2F, 0.3F + 1e-5F, 0};  // nearer than its irradiance is bounded
+  const Light sun{{1, -2, 0.5F}, {}, {1, 0.5F, 0.2F}, 3.0F};
+  Light point = sun;
+  point.position = glm::vec3(0.1F, 0.2F, 0.3F);
+  for (const Light& light : {sun, point}) {
+    const auto gpu = on_gpu(in, {}, light);
+    for (std::size_t i = 0; i < gpu.size(); ++i) {
+      const Arriving cpu = arriving(light, glm::vec3(in[i].at));
+      // Lengths and quotients: a few roundings on either side, the square of the distance twice as many.
+      ASSERT_LE(glm::length(glm::vec3(gpu[i].to_light) - cpu.to_light), 8 * kEps) << i;
+      ASSERT_LE(glm::length(glm::vec3(gpu[i].irradiance) - cpu.irradiance), 16 * kEps * glm::length(cpu.irradiance))
+          << i;
+    }
+  }
+}
+
+/// Optical depth in a DepthTexture, as its comment says, in double.
+double depth_on_cpu(const DepthTexture& map, const glm::vec3& world) {
+  glm::dvec3 at = glm::dvec3(glm::dmat4(map.world_to_cell) * glm::dvec4(world, 1.0));
+  at.x = std::clamp(at.x, 0.0, double(map.size.x - 1));
+  const glm::dvec3 low = glm::floor(at), f = at - low;
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 step{corner & 1, corner >> 1 & 1, corner >> 2}, cell = glm::ivec3(low) + step;
+    double weight = 1;
+    for (int k = 0; k < 3; ++k) weight *= step[k] == 1 ? f[k] : 1 - f[k];
+    if (weight == 0 || glm::any(glm::lessThan(cell, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(cell, map.size)))
+      continue;
+    sum += weight * double(map.depth[std::size_t((cell.x * map.size.y + cell.y) * map.size.z + cell.z)]);
+  }
+  return sum;
+}
+
+TEST_F(Twins, GpuShadowLookupEqualsCpuLookup) {
+  Random random;
+  DepthTexture map;
+  map.size = {7, 5, 9};
+  // Turned and shifted; cells of 3 cm, so that points 30 cm around lie within, beside, before and behind.
+  map.world_to_cell =
+      glm::scale(glm::rotate(glm::translate(glm::mat4(1), {3, 2, 4}), 0.7F, {0.3F, 1, 0.2F}), glm::vec3(1 / 0.03F));
+  for (int x = 0; x < 7; ++x) {
+    for (int k = 0; k < 45; ++k) {
+      const float before = x == 0 ? 0.0F : map.depth[std::size_t(45 * (x - 1) + k)];
+      map.depth.push_back(x == 0 ? 0.0F : before + float(random.unit()));
+    }
+  }
+  auto in = cases(4000);
+  for (std::size_t i = 0; i < in.size(); i += 5) in[i].at *= 0.3F;
+  in[0].at = glm::vec4(1e30F, -1e30F, 1e30F, 0);
+  in[1].at = glm::inverse(map.world_to_cell) * glm::vec4(6, 4, 8, 1);  // the last cell
+  const auto gpu = on_gpu(in, {}, {}, &map);
+  double most = 0, inside = 0;
+  for (std::size_t i = 1; i < gpu.size(); ++i) {
+    const double cpu = std::exp(-depth_on_cpu(map, glm::vec3(in[i].at)));
+    inside += cpu < 0.99;
+    most = std::max(most, std::abs(double(gpu[i].facing.w) - cpu));
+  }
+  std::printf("lookup: largest difference %.2g, %g of %zu in shadow\n", most, inside, gpu.size());
+  EXPECT_GT(inside, 500);
+  // Cell coordinates up to 20, in float within 20 x 2 eps of the CPU's, times the steepest slope: 1 per cell along the
+  // light, 6 across it; three axes.
+  EXPECT_LT(most, 3 * 40 * 6 * double(kEps));
+  EXPECT_EQ(gpu[0].facing.w, 1.0F);
 }
 
 }  // namespace

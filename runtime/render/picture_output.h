@@ -1,0 +1,53 @@
+// Where pictures go: to memory, in tiles that bound the memory of a frame whatever its size, or to a window.
+#pragma once
+
+#include <functional>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+
+#include "pelage/image/image.h"
+#include "pelage/render/gl_objects.h"
+#include "pelage/render/stages.h"
+
+namespace pelage {
+
+/// Side of a tile in samples.
+inline constexpr int kTileSamples = 2048;
+
+struct PictureSize {
+  int width, height;  // pixels
+  int supersampling = 1;
+  int tile_samples = kTileSamples;
+
+  float aspect() const noexcept { return static_cast<float>(width) / static_cast<float>(height); }
+};
+
+class PictureOutput {
+ public:
+  /// Draws the part of the picture that `part` maps to the whole of clip space.
+  using Draw = std::function<void(const glm::mat4& part, Framebuffer& target)>;
+
+  /// @param format  of the targets: GL_RGBA16F or GL_RGBA32F
+  explicit PictureOutput(GLenum format) : format_(format) {}
+
+  /// Stages "draw" and "read", once for each tile. Linear, premultiplied.
+  Image render(const PictureSize& size, StageLedger& ledger, const Draw& draw);
+  /// Stage "draw"; exposed and over a background on the window's own framebuffer of this size.
+  void show(const PictureSize& size, float exposure, const glm::vec3& background, StageLedger& ledger,
+            const Draw& draw);
+
+  /// Mean of supersampling x supersampling samples into `out` at (x0, y0), as far as `out` reaches.
+  void read(Framebuffer& target, int supersampling, Image& out, int x0, int y0);
+
+ private:
+  void present(Framebuffer& target, float exposure, const glm::vec3& background);
+
+  GLenum format_;
+  Program downsample_{"screen.vert", "downsample.frag"};
+  Program present_{"screen.vert", "present.frag"};
+  VertexArray array_;
+  std::unique_ptr<Framebuffer> window_target_;
+};
+
+}  // namespace pelage

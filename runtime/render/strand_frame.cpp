@@ -1,0 +1,216 @@
+#include "pelage/render/strand_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <string>
+
+#include "pelage/data_schema/errors.h"
+#include "pelage/hair/catmull_rom.h"
+#include "pelage/render/shader_inputs.h"
+
+namespace pelage {
+namespace {
+
+/// Do both lights come from the same place? Colour and intensity are no matter of shadows.
+bool same_place(const Light& a, const Light& b) {
+  return a.position == b.position && (a.position || a.direction == b.direction);
+}
+
+void check_settings(const StrandFrameSettings& frame) {
+  check_light_count(frame.lights);
+  if (frame.method == Method::satf || frame.method == Method::truth) {
+    throw UsageError(
+        "method satf and method truth are not drawn strand by strand; use density-map, deep-opacity, "
+        "opacity-shadow or unshadowed");
+  }
+  if (frame.strands.smoothing < 1 || frame.strands.smoothing > 32) {
+    throw UsageError("smoothing: " + std::to_string(frame.strands.smoothing) + " is outside [1, 32]");
+  }
+}
+
+bool same_order(const StrandFrameSettings& a, const StrandFrameSettings& b) {
+  const bool fixed = b.strands.order == StrandOrder::exact;
+  return a.strands.order == b.strands.order &&
+         (fixed || (a.camera.eye == b.camera.eye && a.camera.target == b.camera.target));
+}
+
+bool at_fragments(const StrandFrameSettings& frame) {
+  return frame.strands.shadow_at == ShadowAt::fragment && frame.method != Method::unshadowed;
+}
+
+}  // namespace
+
+HairMaterial material_of(const HairMaterial& material, StrandLobes lobes) noexcept {
+  HairMaterial m = material;
+  if (lobes == StrandLobes::kajiya_kay) m.primary_shift = m.secondary = 0.0F;
+  return m;
+}
+
+// Half floats would lose faint fragments: 2^-11 of what is there already vanishes, and thin strands are fainter.
+StrandFrame::StrandFrame(Strands strands, float opacity, Mesh head)
+    : opacity_(opacity), head_(std::move(head)), output_(GL_RGBA32F) {
+  if (!(opacity >= 0.0F && opacity <= 1.0F)) {
+    throw InputError("opacity", std::to_string(opacity) + " is outside [0, 1]");
+  }
+  if (!head_.vertices.empty()) renderer_.head().set_head(head_);
+  set_strands(std::move(strands));
+}
+
+void StrandFrame::set_strands(Strands strands) {
+  strands_ = std::move(strands);
+  if (strands_.diameters_m.empty() && !(strands_.diameter_m > 0.0F)) {
+    strands_.diameter_m = default_diameter_m(strands_.count());
+  }
+  bounds_ = {};
+  for (const glm::vec3& p : head_.vertices) bounds_.add(p);
+  for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
+  last_.reset();
+}
+
+void StrandFrame::update(const StrandFrameSettings& frame) {
+  check_settings(frame);
+  const bool moved = !last_ || last_->strands.smoothing != frame.strands.smoothing;
+  const bool reordered = moved || !same_order(*last_, frame);
+  const bool other_method = moved || last_->method != frame.method || last_->shadow != frame.shadow;
+  const bool elsewhere = moved || at_fragments(*last_) != at_fragments(frame);
+  last_.reset();  // so that a stage that throws is run again
+  if (moved) update_geometry(frame.strands.smoothing);
+  if (update_shadows(frame, other_method) || elsewhere) look_up_shadows(frame);
+  if (reordered) update_order(frame);
+  last_ = frame;
+}
+
+void StrandFrame::update_geometry(int pieces) {
+  {
+    auto stage = ledger_.run("smooth");
+    smoothed_.reset();
+    if (pieces > 1) {
+      smoothed_ = hair::smooth(strands_, pieces);
+      stage.bytes(smoothed_->vertices.size() * sizeof(glm::vec3));
+    }
+    drawn_bounds_ = bounds_;
+    for (const glm::vec3& p : drawn().vertices) drawn_bounds_.add(p);
+  }
+  std::vector<glm::vec4> tangents;
+  {
+    auto stage = ledger_.run("tangents");
+    tangents = strand_tangents(drawn());
+    segments_ = strand_segments(drawn());
+    stage.bytes(tangents.size() * sizeof(glm::vec4));
+  }
+  auto stage = ledger_.run("upload");
+  renderer_.set_vertices(strand_vertices(drawn()), tangents, drawn().colours);
+  renderer_.set_segments(segments_);
+  stage.bytes(2 * tangents.size() * sizeof(glm::vec4) + segments_.size() * sizeof(StrandSegment));
+}
+
+/// Builds the shadows of those lights that need it. @return whether any was built, or a light is gone
+bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool all) {
+  bool changed = shadows_.size() != frame.lights.size();
+  shadows_.resize(frame.lights.size());
+  for (std::size_t i = 0; i < shadows_.size(); ++i) {
+    LightShadow& s = shadows_[i];
+    if (!all && s.shadow && same_place(s.light, frame.lights[i])) continue;
+    s.shadow.reset();
+    auto stage = ledger_.run("shadow map");
+    s.shadow = make_shadow(frame.method, frame.shadow, drawn(), opacity_, frame.lights[i]);
+    s.light = frame.lights[i];
+    stage.bytes(s.shadow->bytes());
+    changed = true;
+  }
+  return changed;
+}
+
+void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
+  auto stage = ledger_.run("shadow lookup");
+  std::vector<float> through;
+  const auto at = [&](std::span<const glm::vec3> points) {
+    std::vector<glm::vec4> all(points.size(), glm::vec4(1.0F));
+    through.resize(points.size());
+    for (std::size_t i = 0; i < shadows_.size(); ++i) {
+      shadows_[i].shadow->transmittance(points, through);
+      for (std::size_t v = 0; v < points.size(); ++v) all[v][static_cast<int>(i)] = through[v];
+    }
+    stage.bytes(all.size() * sizeof(glm::vec4));
+    return all;
+  };
+  if (!head_.vertices.empty()) renderer_.head().set_shadow(at(head_.vertices));
+  if (at_fragments(frame)) {
+    look_up_at_fragments();
+    renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1.0F)));
+  } else {
+    renderer_.set_transmittance(at(drawn().vertices));
+  }
+}
+
+void StrandFrame::look_up_at_fragments() {
+  std::vector<DepthTexture> maps;
+  for (const LightShadow& s : shadows_) {
+    auto map = s.shadow->depth_texture();
+    if (!map) {
+      throw UsageError(
+          "shadows at fragments need method density-map, directional lights and even slices; look them "
+          "up at vertices");
+    }
+    maps.push_back(std::move(*map));
+  }
+  renderer_.set_depth_maps(maps);
+}
+
+void StrandFrame::update_order(const StrandFrameSettings& frame) {
+  if (frame.strands.order == StrandOrder::exact) return;
+  auto stage = ledger_.run("order");
+  const glm::vec3 forward = glm::normalize(frame.camera.target - frame.camera.eye);
+  const std::vector<glm::vec3>& vertices = drawn().vertices;
+  if (frame.strands.order == StrandOrder::weighted) {
+    nearest_m_ = std::numeric_limits<float>::max();
+    for (const glm::vec3& p : vertices) {
+      nearest_m_ = std::min(nearest_m_, std::max(glm::dot(p - frame.camera.eye, forward), 0.0F));
+    }
+    return;
+  }
+  sorted_.resize(segments_.size());
+  sort_by_depth(segments_, vertices, frame.camera.eye, forward, sorted_);
+  renderer_.set_segments(sorted_);
+  stage.bytes(sorted_.size() * sizeof(StrandSegment));
+}
+
+PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const PictureSize& size) {
+  StrandDrawRequest whole;
+  whole.world_to_clip = world_to_clip(frame.camera, drawn_bounds_, size.aspect());
+  whole.eye = frame.camera.eye;
+  whole.sample_slope =
+      2.0F * std::tan(glm::radians(0.5F * frame.camera.fov_deg)) / static_cast<float>(size.height * size.supersampling);
+  whole.nearest_m = nearest_m_;
+  whole.lights = frame.lights;
+  whole.material = material_of(frame.material, frame.strands.lobes);
+  whole.settings = frame.strands;
+  whole.opacity = opacity_;
+  whole.shadowed = frame.method != Method::unshadowed;
+  return [this, whole](const glm::mat4& part, Framebuffer& target) {
+    StrandDrawRequest request = whole;
+    request.world_to_clip = part * whole.world_to_clip;
+    renderer_.draw(request, target);
+  };
+}
+
+void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, float exposure,
+                       const glm::vec3& background) {
+  ledger_.begin_frame();
+  update(frame);
+  const PictureSize size{width, height};
+  output_.show(size, exposure, background, ledger_, draw_of(frame, size));
+}
+
+Image StrandFrame::render(const StrandFrameSettings& frame, int width, int height, int supersampling,
+                          int tile_samples) {
+  ledger_.begin_frame();
+  update(frame);
+  const PictureSize size{width, height, supersampling, tile_samples};
+  return output_.render(size, ledger_, draw_of(frame, size));
+}
+
+}  // namespace pelage

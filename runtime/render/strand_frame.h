@@ -1,0 +1,90 @@
+// StrandFrame: hair rendered strand by strand, frame after frame, with the density map of [Bertails2005] or one of the
+// methods it is compared with. Runs only the stages whose inputs changed; a camera move builds no shadow (Fig. 4
+// there):
+//   smooth, tangents, upload    geometry
+//   shadow map                  a light's place, geometry, shadow settings; each light for itself
+//   shadow lookup               a shadow map that was built
+//   order                       view, where the order needs it (sorted, weighted)
+//   draw, read                  every frame
+//
+// Orders: `exact` sorts fragments. `sorted` sorts segments by the depth of their middles: wrong where long segments
+// cross. `weighted` knows no order but depth. Errors against exact, as RMSE of linear RGB over covered pixels relative
+// to their mean, and times are in tests/render/strand_order_test.cpp, which prints them.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pelage/data_schema/mesh.h"
+#include "pelage/image/image.h"
+#include "pelage/render/camera.h"
+#include "pelage/render/picture_output.h"
+#include "pelage/render/stages.h"
+#include "pelage/render/strand_renderer.h"
+
+namespace pelage {
+
+/// Everything that may change from frame to frame.
+struct StrandFrameSettings {
+  Camera camera;
+  std::vector<Light> lights;  // at most kMaxLights
+  HairMaterial material;
+  Method method = Method::density_map;  // not satf, not truth
+  StrandSettings strands;
+  ShadowSettings shadow;
+};
+
+/// The material as StrandLobes asks for it: Kajiya-Kay's has one highlight, unshifted [KajiyaKay1989].
+HairMaterial material_of(const HairMaterial& material, StrandLobes lobes) noexcept;
+
+class StrandFrame {
+ public:
+  /// Needs a current OpenGL context. @param strands  without a diameter they get default_diameter_m()
+  /// @param opacity  of a fibre, [0, 1]    @param head  may be empty
+  StrandFrame(Strands strands, float opacity, Mesh head);
+
+  /// Other geometry of the same hair or another: moved, cut, more.
+  void set_strands(Strands strands);
+
+  /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
+  /// @throws UsageError for a method or settings that are not drawn here; what make_shadow() throws
+  Image render(const StrandFrameSettings& frame, int width, int height, int supersampling,
+               int tile_samples = kTileSamples);
+  /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
+  void show(const StrandFrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
+
+  const Bounds& bounds() const noexcept { return bounds_; }
+  const StageLedger& ledger() const noexcept { return ledger_; }
+  const Strands& strands() const noexcept { return strands_; }
+
+ private:
+  struct LightShadow {
+    Light light;
+    std::unique_ptr<HairShadow> shadow;
+  };
+
+  const Strands& drawn() const noexcept { return smoothed_ ? *smoothed_ : strands_; }
+  void update(const StrandFrameSettings& frame);
+  void update_geometry(int pieces);
+  bool update_shadows(const StrandFrameSettings& frame, bool all);
+  void look_up_shadows(const StrandFrameSettings& frame);
+  void look_up_at_fragments();
+  void update_order(const StrandFrameSettings& frame);
+  PictureOutput::Draw draw_of(const StrandFrameSettings& frame, const PictureSize& size);
+
+  StageLedger ledger_;
+  Strands strands_;
+  std::optional<Strands> smoothed_;
+  float opacity_;
+  Mesh head_;
+  Bounds bounds_, drawn_bounds_;
+  std::vector<StrandSegment> segments_, sorted_;
+  std::vector<LightShadow> shadows_;
+  float nearest_m_ = 0;
+  std::optional<StrandFrameSettings> last_;  // none: nothing is up to date
+  StrandRenderer renderer_;
+  PictureOutput output_;
+};
+
+}  // namespace pelage

@@ -1,0 +1,158 @@
+#include "pelage/render/strand_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/type_ptr.hpp>
+#include <string>
+
+#include "pelage/data_schema/errors.h"
+#include "pelage/render/fragment_lists.h"
+#include "pelage/render/shader_inputs.h"
+#include "pelage/render/weighted_blend.h"
+
+namespace pelage {
+namespace {
+
+constexpr const char* kRemedy = "use fewer strands or less smoothing";
+
+}  // namespace
+
+struct StrandRenderer::Resources {
+  VertexArray array;
+  Buffer vertices, tangents, transmittance, segments, colours;
+  std::size_t segment_count = 0;
+  bool own_colours = false;
+  DepthMaps depth_maps;
+  FragmentLists lists;
+  WeightedBlend weighted;
+  std::array<std::unique_ptr<Program>, 6> programs;  // [order][shadow at fragment], built when first used
+};
+
+StrandRenderer::StrandRenderer() : gl_(std::make_unique<Resources>()) {
+  check_opengl("building the shaders");
+}
+StrandRenderer::~StrandRenderer() = default;
+
+void StrandRenderer::set_vertices(std::span<const glm::vec4> vertices, std::span<const glm::vec4> tangents,
+                                  std::span<const glm::vec3> colours) {
+  gl_->vertices.upload(GL_SHADER_STORAGE_BUFFER, vertices, GL_DYNAMIC_DRAW);
+  gl_->tangents.upload(GL_SHADER_STORAGE_BUFFER, tangents, GL_DYNAMIC_DRAW);
+  gl_->own_colours = !colours.empty();
+  std::vector<glm::vec4> padded;
+  for (const glm::vec3& c : colours) padded.emplace_back(c, 1.0F);
+  gl_->colours.upload(GL_SHADER_STORAGE_BUFFER, std::span<const glm::vec4>(padded), GL_STATIC_DRAW);
+}
+
+void StrandRenderer::set_segments(std::span<const StrandSegment> segments) {
+  gl_->segments.upload(GL_SHADER_STORAGE_BUFFER, segments, GL_DYNAMIC_DRAW);
+  gl_->segment_count = segments.size();
+}
+
+void StrandRenderer::set_transmittance(std::span<const glm::vec4> transmittance) {
+  gl_->transmittance.upload(GL_SHADER_STORAGE_BUFFER, transmittance, GL_DYNAMIC_DRAW);
+}
+
+void StrandRenderer::set_depth_maps(std::span<const DepthTexture> maps) {
+  gl_->depth_maps.upload(maps);
+}
+
+const Program& StrandRenderer::program(const StrandSettings& settings, bool at_fragment) {
+  auto& p = gl_->programs.at(2 * static_cast<std::size_t>(settings.order) + (at_fragment ? 1 : 0));
+  if (!p) {
+    std::string defines;
+    if (settings.order == StrandOrder::exact) defines += FragmentLists::kDefine;
+    if (settings.order == StrandOrder::weighted) defines += WeightedBlend::kDefine;
+    if (at_fragment) defines += "\n#define PELAGE_SHADOW_AT_FRAGMENT";
+    p = std::make_unique<Program>("strands.vert", "strands.frag", defines);
+  }
+  return *p;
+}
+
+void StrandRenderer::draw(const StrandDrawRequest& request, Framebuffer& target) {
+  head_.begin_picture(request.world_to_clip, request.lights, target);
+  const Program& p = program(request.settings, request.shadowed && request.settings.shadow_at == ShadowAt::fragment);
+  const auto draw_all = [&] { draw_strands(request, p, target); };
+  if (gl_->segment_count == 0) {
+    // Nothing to blend.
+  } else if (request.settings.order == StrandOrder::exact) {
+    gl_->lists.blend(target, draw_all);
+  } else if (request.settings.order == StrandOrder::weighted) {
+    gl_->weighted.blend(target, draw_all);
+  } else {
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    draw_all();
+    glDisable(GL_BLEND);
+  }
+  glDepthMask(GL_TRUE);
+  check_opengl("drawing strands");
+}
+
+void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Program& p, const Framebuffer& target) {
+  const StrandSettings& on = request.settings;
+  glUseProgram(p.id());
+  glUniformMatrix4fv(p.at("world_to_clip"), 1, GL_FALSE, glm::value_ptr(request.world_to_clip));
+  glUniform3fv(p.at("eye"), 1, glm::value_ptr(request.eye));
+  glUniform2f(p.at("samples_across"), 0.5F * static_cast<float>(target.width()),
+              0.5F * static_cast<float>(target.height()));
+  glUniform1f(p.at("sample_slope"), request.sample_slope);
+  glUniform1f(p.at("opacity"), request.opacity);
+  glUniform1i(p.at("ribbons"), on.shape == StrandShape::ribbons ? 1 : 0);
+  glUniform1i(p.at("own_colours"), gl_->own_colours ? 1 : 0);
+  glUniform1f(p.at("ambient"), on.diffuse ? request.material.ambient : 0.0F);
+  set_lights(p, request.lights);
+  set_material(p, request.material, {on.diffuse, on.primary_highlight, on.secondary_highlight});
+  if (on.order == StrandOrder::exact) gl_->lists.bind(p);
+  if (on.order == StrandOrder::weighted) WeightedBlend::bind(p, request.nearest_m);
+  if (request.shadowed && on.shadow_at == ShadowAt::fragment) gl_->depth_maps.bind(p);
+  bind_storage(0, gl_->vertices, "the strands' vertices", kRemedy);
+  bind_storage(1, gl_->tangents, "the strands' tangents", kRemedy);
+  bind_storage(2, gl_->transmittance, "the strands' transmittances", kRemedy);
+  bind_storage(5, gl_->segments, "the strands' segments", kRemedy);
+  bind_storage(6, gl_->colours, "the strands' colours", kRemedy);
+  glBindVertexArray(gl_->array.id());
+  const bool ribbons = on.shape == StrandShape::ribbons;
+  glDrawArrays(ribbons ? GL_TRIANGLES : GL_LINES, 0, static_cast<GLsizei>((ribbons ? 6 : 2) * gl_->segment_count));
+}
+
+void DepthMaps::clear() {
+  glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
+  textures_.clear();
+  world_to_cell_.clear();
+}
+
+void DepthMaps::upload(std::span<const DepthTexture> maps) {
+  clear();
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
+  for (const DepthTexture& map : maps) {
+    if (std::max({map.size.x, map.size.y, map.size.z}) > most) {
+      throw GraphicsError("a density map of " + std::to_string(map.size.x) + " x " + std::to_string(map.size.y) +
+                          " x " + std::to_string(map.size.z) + " cells is larger than this driver's " +
+                          std::to_string(most) + ": lower its resolution, or look shadows up at vertices");
+    }
+    GLuint id = 0;
+    glGenTextures(1, &id);
+    textures_.push_back(id);
+    world_to_cell_.push_back(map.world_to_cell);
+    glBindTexture(GL_TEXTURE_3D, id);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexStorage3D(GL_TEXTURE_3D, 1, GL_R32F, map.size.z, map.size.y, map.size.x);
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, map.size.z, map.size.y, map.size.x, GL_RED, GL_FLOAT, map.depth.data());
+  }
+  check_opengl("uploading density maps");
+}
+
+void DepthMaps::bind(const Program& p) const {
+  for (std::size_t i = 0; i < textures_.size(); ++i) {
+    const std::string index = "[" + std::to_string(i) + "]";
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    glBindTexture(GL_TEXTURE_3D, textures_[i]);
+    glUniform1i(p.at(("depth_map" + index).c_str()), static_cast<GLint>(i));
+    glUniformMatrix4fv(p.at(("world_to_cell" + index).c_str()), 1, GL_FALSE, glm::value_ptr(world_to_cell_[i]));
+  }
+  glActiveTexture(GL_TEXTURE0);
+}
+
+}  // namespace pelage
