@@ -34,6 +34,8 @@
 
 namespace pelage {
 
+struct FibreCurves;  // fibre_curves.h
+
 /// A straight ray. Double: the direction of a float ray of half a metre is off by a thousandth of a fibre.
 struct FibreRay {
   glm::dvec3 origin{0};
@@ -91,6 +93,8 @@ class FibreScene {
   /// Of all that is visible of the hair; low > high when nothing is.
   glm::vec3 low() const noexcept;
   glm::vec3 high() const noexcept;
+  /// For this box's own use.
+  const FibreCurves& curves() const noexcept;
 
  private:
   struct State;

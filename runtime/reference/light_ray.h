@@ -27,4 +27,14 @@ inline FibreRay ray_to_light(const Light& light, const glm::dvec3& from) noexcep
   return {from, length > 0 ? way / length : glm::dvec3(0, 1, 0), length};
 }
 
+/// Unit vectors: two across a direction, and itself.
+struct LightFrame {
+  glm::dvec3 x, y, z;
+  explicit LightFrame(const glm::dvec3& direction) noexcept : z(direction) {
+    const glm::dvec3 axis = std::abs(z.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    x = glm::normalize(glm::cross(axis, z));
+    y = glm::cross(z, x);
+  }
+};
+
 }  // namespace pelage

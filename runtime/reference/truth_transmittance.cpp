@@ -7,25 +7,17 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 
 #include "pelage/reference/light_ray.h"
+#include "pelage/reference/parallel_rays.h"
 #include "pelage/reference/progress_counter.h"
 #include "pelage/reference/sampling.h"
 
 namespace pelage {
 namespace {
 
-/// Two unit vectors across a unit vector.
-struct Across {
-  glm::dvec3 x, y;
-};
-Across across(const glm::dvec3& d) noexcept {
-  const glm::dvec3 axis = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 x = glm::normalize(glm::cross(axis, d));
-  return {x, glm::cross(d, x)};
-}
-
-/// Mean and standard error of the mean of batches of `rays[b]` rays that sum up to `sums[b]`.
+/// Mean and standard error of the mean of batches of `rays[b]` rays whose transmittances sum up to `sums[b]`.
 TruthEstimate estimate(std::span<const double> sums, std::span<const std::uint32_t> rays) noexcept {
   double sum = 0, all = 0;
   for (std::size_t b = 0; b < sums.size(); ++b) sum += sums[b], all += rays[b];
@@ -45,47 +37,75 @@ class PointTracer {
               HeadShadow head)
       : scene_(scene),
         light_(light),
-        settings_(settings),
+        rays_(static_cast<std::uint32_t>(std::max(settings.rays, 1))),
+        radius_m_(static_cast<double>(settings.footprint_m)),
         seed_(seed),
         enough_(scene.enough(settings.stop_below)),
         head_(head == HeadShadow::casts && scene.has_head()) {
     check_light(light);
+    if (!light.position) parallel_.emplace(scene.curves(), LightFrame(ray_to_light(light, glm::dvec3(0)).direction));
   }
 
   TruthEstimate trace(const TruthPoint& point, std::uint32_t index) const {
     const glm::dvec3 at(point.position);
-    const FibreRay middle = ray_to_light(light_, at);
-    if (middle.length_m == 0) return {1, 0};
-    const Across disc = across(middle.direction);
-    const auto total = static_cast<std::uint32_t>(std::max(settings_.rays, 1));
-    const std::uint32_t batches = std::min<std::uint32_t>(total, kTruthBatches);
+    if (light_.position && glm::dvec3(*light_.position) == at) return {1, 0};
     std::array<double, kTruthBatches> sums{};
     std::array<std::uint32_t, kTruthBatches> rays{};
+    const std::uint32_t batches = std::min<std::uint32_t>(rays_, kTruthBatches);
+    std::vector<ParallelRays::Band> bands;
+    if (parallel_) parallel_->find(at, radius_m_, point.owner, bands);
     for (std::uint32_t b = 0; b < batches; ++b) {
       const auto digits = random_bits(seed_, index, b);
       const SquareSequence square(digits[0], digits[1]);
-      rays[b] = total / batches + (b < total % batches ? 1U : 0U);
-      for (std::uint32_t i = 0; i < rays[b]; ++i) {
-        const glm::dvec2 p = static_cast<double>(settings_.footprint_m) * in_disk(square.point(i));
-        sums[b] += transmittance(at + p.x * disc.x + p.y * disc.y, point.owner);
-      }
+      rays[b] = rays_ / batches + (b < rays_ % batches ? 1U : 0U);
+      sums[b] = parallel_ ? together(at, bands, square, rays[b]) : one_by_one(point, square, rays[b]);
     }
     return estimate({sums.data(), batches}, {rays.data(), batches});
   }
 
  private:
-  double transmittance(const glm::dvec3& from, std::uint32_t owner) const {
-    const FibreRay ray = ray_to_light(light_, from);
-    if (head_ && scene_.head(ray)) return 0;
-    return scene_.transmittance(scene_.count(ray, owner, enough_));
+  /// Sum of the transmittances of elements 0 .. rays-1 of a sequence.
+  double one_by_one(const TruthPoint& point, const SquareSequence& square, std::uint32_t rays) const {
+    const glm::dvec3 at(point.position);
+    const LightFrame frame(ray_to_light(light_, at).direction);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < rays; ++i) {
+      const glm::dvec2 p = radius_m_ * in_disk(square.point(i));
+      const FibreRay ray = ray_to_light(light_, at + p.x * frame.x + p.y * frame.y);
+      if (!head_blocks(ray)) sum += scene_.transmittance(scene_.count(ray, point.owner, enough_));
+    }
+    return sum;
   }
+
+  double together(const glm::dvec3& at, std::span<const ParallelRays::Band> bands, const SquareSequence& square,
+                  std::uint32_t rays) const {
+    RayBundle bundle;
+    double sum = 0;
+    for (std::uint32_t first = 0; first < rays; first += static_cast<std::uint32_t>(bundle.size)) {
+      bundle.size = std::min<std::size_t>(rays - first, RayBundle::kMost);
+      for (std::uint32_t i = 0; i < bundle.size; ++i) {
+        const glm::dvec2 p = radius_m_ * in_disk(square.point(first + i));
+        bundle.x[i] = static_cast<float>(p.x);
+        bundle.y[i] = static_cast<float>(p.y);
+      }
+      ParallelRays::count(bands, bundle);
+      for (std::size_t i = 0; i < bundle.size; ++i) {
+        if (!head_blocks(parallel_->ray(at, bundle.x[i], bundle.y[i]))) sum += scene_.transmittance(bundle.count[i]);
+      }
+    }
+    return sum;
+  }
+
+  bool head_blocks(const FibreRay& ray) const { return head_ && scene_.head(ray); }
 
   const FibreScene& scene_;
   const Light& light_;
-  const TruthSettings& settings_;
+  std::uint32_t rays_;
+  double radius_m_;
   std::uint64_t seed_;
   int enough_;
   bool head_;
+  std::optional<ParallelRays> parallel_;  // directional lights
 };
 
 }  // namespace

@@ -38,7 +38,8 @@ struct TruthEstimate {
 /// What the rays may end at besides hair.
 enum class HeadShadow { none, casts };  // the methods compared with have none
 
-/// @param settings  rays, footprint_m, stop_below (T* is then too high by less than it)
+/// @param settings  rays, footprint_m, stop_below (T* of a point light is then too high by less than it; the rays of a
+///                  directional light are traced together, which is faster than any stop)
 /// @param seed      the result depends on it and on a point's index, not on the number of threads
 /// @param progress  told the points done, by one thread at a time; may throw to interrupt
 /// @throws UsageError for a light without a direction. T* of a point light at the point itself is 1.
