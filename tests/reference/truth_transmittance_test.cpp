@@ -215,6 +215,21 @@ TEST(Truth, OwnersSegmentsCastNoShadow) {
   EXPECT_EQ(t({{0, 0, 0.01F}, kNoOwner}).mean, 1) << "behind the point";
 }
 
+TEST(Truth, RaysAreUniformInTheDisc) {
+  // An opaque fibre so wide that only its edge crosses the disc, at half its radius: a cap of 1/3 - sqrt(3) / (4 pi).
+  const double cap = 1.0 / 3 - std::sqrt(3.0) / (4 * std::numbers::pi);
+  const Strands s = sample::one_strand({{-1, 0.011F, 1}, {1, 0.011F, 1}}, 0.02F);
+  const FibreScene scene(s, 1.0F);
+  TruthSettings settings;
+  settings.rays = 65536;
+  const TruthPoint p{{0, 0, 0}};
+  for (const Light& light : {from({0, 0, 1}), at({0, 0, 1e6F})}) {
+    const TruthEstimate t = truth_transmittance(scene, {&p, 1}, light, settings, 3)[0];
+    EXPECT_NEAR(t.mean, 1 - cap, 4 * t.standard_error + 1e-4);  // the edge is off by 1e-8 of 2e-3 m
+    EXPECT_LT(t.standard_error, 5e-4);
+  }
+}
+
 TEST(Truth, FootprintOfRadiusZeroIsOneRay) {
   const Strands s = some_hair();
   const FibreScene scene(s, 0.5F);
