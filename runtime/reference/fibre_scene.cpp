@@ -114,6 +114,23 @@ struct Met {
   Pass pass;
 };
 
+/// The strand's tangent at a share `along` of segment i.
+glm::vec3 tangent_at(const FibreCurves& curves, std::uint32_t i, double along) {
+  const auto direction = [&](std::uint32_t k) {
+    const Segment s = curves.segment(k);
+    return glm::normalize(s.b - s.a);
+  };
+  const glm::dvec3 own = direction(i);
+  const auto half_way = [&](const glm::dvec3& other) {
+    const glm::dvec3 sum = own + other;
+    return glm::dot(sum, sum) < 1e-8 ? own : glm::normalize(sum);  // a turn back on itself has no half-way
+  };
+  const glm::dvec3 at_a = curves.follows(i) ? half_way(direction(i - 1)) : own;
+  const glm::dvec3 at_b = curves.goes_on(i) ? half_way(direction(i + 1)) : own;
+  const glm::dvec3 between = (1 - along) * at_a + along * at_b;
+  return glm::vec3(glm::dot(between, between) < 1e-8 ? own : glm::normalize(between));
+}
+
 /// What Embree hands to the filters below.
 struct Query {
   RTCIntersectContext context;  // first: Embree gives its address back
@@ -197,10 +214,9 @@ void FibreScene::collect(const FibreRay& ray, std::vector<FibreCrossing>& out) c
          ++end) {
       if (off_axis(met[end]) < off_axis(met[best])) best = end;
     }
-    const Segment segment = curves.segment(met[best].segment);
-    const Pass& pass = met[best].pass;
-    out.push_back({pass.depth_m, curves.vertex_of[met[best].segment], static_cast<float>(pass.along),
-                   glm::vec3(pass.offset_m / pass.radius_m), glm::vec3(glm::normalize(segment.b - segment.a))});
+    const auto& [segment, pass] = met[best];
+    out.push_back({pass.depth_m, curves.vertex_of[segment], static_cast<float>(pass.along),
+                   glm::vec3(pass.offset_m / pass.radius_m), tangent_at(curves, segment, pass.along)});
     i = end;
   }
   std::sort(out.begin(), out.end(), [](const FibreCrossing& a, const FibreCrossing& b) {

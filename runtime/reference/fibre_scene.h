@@ -52,7 +52,8 @@ struct FibreCrossing {
   std::uint32_t vertex = 0;  // the run's segment nearest to the ray starts at this vertex of Strands
   float along = 0;           // where on that segment, [0, 1]
   glm::vec3 offset{0};       // of the ray from the axis, across the ray, in radii: length in [0, 1]
-  glm::vec3 tangent{0};      // unit, towards the tip
+  glm::vec3 tangent{0};      // unit, towards the tip: half-way between its segments' directions at a vertex, and
+                             // between the two vertices' here
 };
 
 /// Where a ray meets the head first.

@@ -19,7 +19,7 @@
 namespace pelage {
 namespace {
 
-/// Twins of render/renderer.cpp and shaders/head.frag.
+/// Twins of render/head_renderer.cpp and shaders/head.frag.
 constexpr glm::dvec3 kSkin{0.62F, 0.45F, 0.36F};
 constexpr double kHeadAmbient = 0.22F, kWrap = 0.15;
 
@@ -27,12 +27,6 @@ constexpr int kTile = 16;  // pixels
 
 /// Numbers of a pixel that are drawn apart.
 enum Stream : std::uint32_t { kSquare, kTailChoice };
-
-glm::dvec3 light_sum(std::span<const Light> lights) {
-  glm::dvec3 sum{0.0};
-  for (const Light& l : lights) sum += glm::dvec3(l.intensity * l.colour);
-  return sum;
-}
 
 /// The materials of strands that have colours of their own.
 class Materials {
@@ -60,8 +54,7 @@ class PixelTracer {
         camera_(request.camera, request.width, request.height),
         materials_(request.material, strands),
         azimuth_(request.phong),
-        lights_(light_sum(request.lights)),
-        ambient_(request.lobes.diffuse ? static_cast<double>(request.material.ambient) * lights_ : glm::dvec3(0)),
+        ambient_(request.lobes.diffuse ? static_cast<double>(request.material.ambient) : 0.0),
         opacity_(1 - scene.transmittance(1)),
         enough_(scene.enough(request.settings.stop_below)) {
     for (const Light& light : request.lights) check_light(light);
@@ -115,10 +108,11 @@ class PixelTracer {
     const glm::dvec3 at = ray.origin + c.depth_m * ray.direction;
     const HairMaterial material = materials_.of(c.vertex);
     const glm::vec3 t = c.tangent, v = glm::vec3(-ray.direction), n = facing_normal(t, v);
-    glm::dvec3 sum = ambient_ * glm::dvec3(material.diffuse_colour);
+    glm::dvec3 sum(0);
     for (const Light& light : request_.lights) {
       const Arriving arriving_here = arriving(light, glm::vec3(at));
       const glm::vec3 l = arriving_here.to_light;
+      sum += ambient_ * glm::dvec3(material.diffuse_colour * arriving_here.irradiance);
       const glm::dvec3 lobes(hair_lighting(material, request_.lobes, t, n, l, v) * arriving_here.irradiance);
       if (lobes == glm::dvec3(0)) continue;
       const double around = request_.settings.azimuth
@@ -131,12 +125,13 @@ class PixelTracer {
 
   glm::dvec3 shade(const FibreRay& ray, const HeadHit& head) const {
     const glm::dvec3 at = ray.origin + (1 - 1e-5) * head.depth_m * ray.direction;
-    glm::dvec3 sum(kHeadAmbient * lights_.g);
+    glm::dvec3 sum(0);
     for (const Light& light : request_.lights) {
       const Arriving arriving_here = arriving(light, glm::vec3(at));
       const double facing = static_cast<double>(glm::dot(head.normal, arriving_here.to_light));
       const double lambert = std::max((facing + kWrap) / (1 + kWrap), 0.0);
-      if (lambert > 0) sum += lambert * lit(light, at, kNoOwner) * glm::dvec3(arriving_here.irradiance);
+      const double direct = lambert > 0 ? lambert * lit(light, at, kNoOwner) : 0;
+      sum += (direct + kHeadAmbient) * glm::dvec3(arriving_here.irradiance);
     }
     return kSkin * sum;
   }
@@ -146,8 +141,7 @@ class PixelTracer {
   TruthCamera camera_;
   Materials materials_;
   AzimuthTerm azimuth_;
-  glm::dvec3 lights_, ambient_;
-  double opacity_;
+  double ambient_, opacity_;
   int enough_;
 };
 

@@ -5,11 +5,12 @@
 // a T and T becomes T (1 - a), until the head, which is opaque, or the background, which is transparent black. Nothing
 // is widened, however thin, and no crossing is left out.
 //
-// Colour of a crossing: ambient * diffuse colour (not shadowed, [Bertails2005 section 3.3]) + for each light irradiance
-// * T(one ray to the light) * hair_lighting() * azimuth term. t is the segment's tangent, n the side that faces the
-// viewer. Crossings are shaded one by one while T >= kTail; of those behind, one is chosen at random with the
-// probability of its weight and stands for all: right in the mean, and a shadow ray behind ten fibres is not worth its
-// time. Colour of the head: Lambert with wrap as shaders/head.frag has it, in the shadow of the hair.
+// Colour of a crossing, for each light: irradiance * (T(one ray to the light) * hair_lighting() * azimuth term +
+// ambient * diffuse colour, which is not shadowed [Bertails2005 section 3.3]). t is the strand's tangent as the
+// rasteriser has it, n the side that faces the viewer. Crossings are shaded one by one while T >= kTail; of those
+// behind, one is chosen at random with the probability of its weight and stands for all: right in the mean, and a
+// shadow ray behind ten fibres is not worth its time. Colour of the head: Lambert with wrap and ambient as
+// shaders/head.frag has it, in the shadow of the hair.
 //
 // Limits: one scattering. The rasteriser's near plane (a hundredth in front of the nearest hair) does not exist here.
 // The head casts no shadow unless asked to: the methods compared with have none.

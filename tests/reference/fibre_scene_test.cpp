@@ -225,6 +225,21 @@ TEST(FibreScene, CollectsNearestFirstWithPlaceAndOffset) {
   EXPECT_NEAR(found[1].offset.y, 0.25, 1e-5);
 }
 
+TEST(FibreScene, TangentsTurnSmoothlyAlongAStrand) {
+  const Strands s = sample::one_strand({{0, 0, 0}, {0.01F, 0, 0}, {0.01F, 0, 0}, {0.01F, 0.01F, 0}}, 2e-4F);
+  const FibreScene scene(s, kOpacity);
+  const auto tangent = [&](double x, double y) {
+    std::vector<FibreCrossing> found;
+    scene.collect({{x, y, -1}, {0, 0, 1}}, found);
+    return found.at(0).tangent;
+  };
+  const auto near = [](const glm::vec3& a, const glm::vec3& b) { return glm::length(a - glm::normalize(b)) < 1e-4F; };
+  EXPECT_TRUE(near(tangent(1e-7, 0), {1, 0, 0}));
+  EXPECT_TRUE(near(tangent(0.005, 0), glm::vec3(1, 0, 0) + glm::normalize(glm::vec3(1, 1, 0))));
+  EXPECT_TRUE(near(tangent(0.01, 0), {1, 1, 0}));
+  EXPECT_TRUE(near(tangent(0.01, 0.01 - 1e-7), {0, 1, 0}));
+}
+
 TEST(FibreScene, CountMayStopWhenItIsEnough) {
   const Strands s = sample::parallel_fibres(2000, {0.01, 0.01, 0.01}, {1, 0, 0}, 0.1, 4, 2e-4F, 1);
   const FibreScene scene(s, kOpacity);

@@ -142,6 +142,11 @@ TEST(TruthImage, HeadIsOpaqueAndLiesInTheHairsShadow) {
   EXPECT_NEAR(p.r, 0.4F * 0.62F * (0.22F + 0.4F), 1e-4F);  // seen through the fibre, and in its shadow
   const glm::vec4 bare = pixel(truth_image(FibreScene(Strands{}, 0.6F, &head), Strands{}, r), 2, 0, 0);
   EXPECT_NEAR(bare.g, 0.45F * 1.22F, 1e-5F);
+  const std::vector<Light> lamp{Light{{}, glm::vec3(0, 0, 1.9F), glm::vec3(1, 0, 0), 8}};  // 2 m away: 8 / 4
+  r.lights = lamp;
+  const glm::vec4 red = pixel(truth_image(FibreScene(Strands{}, 0.6F, &head), Strands{}, r), 2, 0, 0);
+  EXPECT_NEAR(red.r, 0.62F * 2 * 1.22F, 1e-4F);
+  EXPECT_EQ(red.g, 0.0F);
 }
 
 TEST(TruthImage, HeadCastsAShadowOnlyWhenAsked) {
