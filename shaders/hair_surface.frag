@@ -129,5 +129,5 @@ void main() {
     premultiplied *= curved / alpha;
     alpha = curved;
   }
-  put_fragment(vec4(premultiplied, alpha));
+  if (reserve_fragment()) put_fragment(vec4(premultiplied, alpha));
 }

@@ -12,11 +12,12 @@
 uniform vec3 eye;
 uniform HairMaterial material;
 uniform float ambient;  // share of the diffuse colour
+uniform float opacity;  // of a fibre
 
 in vec3 world;
 in vec3 world_tangent;
 in vec4 light_through;
-in float fibre_alpha;
+in vec2 widths_m;
 flat in vec4 fibre_colour;
 
 float shadow(int light) {
@@ -34,6 +35,7 @@ vec3 direction(vec3 d, vec3 otherwise) {
 }
 
 void main() {
+  if (!reserve_fragment()) return;
   HairMaterial m = material;
   if (fibre_colour.a > 0.0) {
     m.diffuse.rgb = fibre_colour.rgb;
@@ -47,5 +49,6 @@ void main() {
     Arriving light = arriving(i, world);
     sum += (shadow(i) * hair_lighting(m, t, n, light.to_light, v) + ambient * m.diffuse.rgb) * light.irradiance;
   }
-  put_fragment(fibre_alpha * vec4(sum, 1.0));
+  float alpha = widths_m.y > 0.0 ? opacity * clamp(widths_m.x / widths_m.y, 0.0, 1.0) : 0.0;
+  put_fragment(alpha * vec4(sum, 1.0));
 }

@@ -6,7 +6,8 @@
 // overlap. Beyond a turn of 120 degrees in the picture each segment ends square instead; at a turn of 180 degrees, where
 // a curl is seen from its side, the two ends coincide again.
 //
-// Coverage: where a strand is thinner than a sample it is drawn one sample wide, and its opacity fades by as much.
+// Coverage: where a strand is thinner than a sample it is drawn one sample wide, and its opacity fades by as much. Both
+// widths are interpolated, not their quotient: a strand may taper from wider than a sample to nothing.
 
 layout(std430, binding = 0) readonly buffer Vertices { vec4 vertices[]; };             // metres; w: drawn diameter [m]
 layout(std430, binding = 1) readonly buffer Tangents { vec4 tangents[]; };             // unit, towards the tip
@@ -21,14 +22,13 @@ uniform mat4 world_to_clip;
 uniform vec3 eye;
 uniform vec2 samples_across;   // half the size of the target in samples
 uniform float sample_slope;    // width of a sample at 1 m depth [m]
-uniform float opacity;
 uniform bool ribbons;
 uniform bool own_colours;
 
 out vec3 world;                // on the centre line
 out vec3 world_tangent;
 out vec4 light_through;
-out float fibre_alpha;
+out vec2 widths_m;             // of the strand, and as drawn
 flat out vec4 fibre_colour;    // a = 0: the material's
 
 /// Unit vector across a segment as seen along v; 0 where it is seen end on or has no length.
@@ -70,12 +70,12 @@ void main() {
   if (!ribbons) {
     float stretch = line_stretch(world_to_clip * vec4(vertices[first].xyz, 1.0),
                                  world_to_clip * vec4(vertices[first + 1u].xyz, 1.0));
-    fibre_alpha = opacity * min(diameter_m * stretch / max(sample_m, 1e-12), 1.0);
+    widths_m = vec2(min(diameter_m * stretch, sample_m), sample_m);
     gl_Position = clip;
     return;
   }
   float width_m = max(diameter_m, sample_m);
-  fibre_alpha = width_m > 0.0 ? opacity * diameter_m / width_m : 0.0;
+  widths_m = vec2(diameter_m, width_m);
   vec3 v = eye - world;
   vec3 own = across(vertices[first + 1u].xyz - vertices[first].xyz, v);
   bool joined = (segment.x & (far_end ? kLast : kFirst)) == 0u;

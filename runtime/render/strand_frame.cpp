@@ -104,6 +104,7 @@ void StrandFrame::update_geometry(int pieces) {
   auto stage = ledger_.run("upload");
   renderer_.set_vertices(strand_vertices(drawn()), tangents, drawn().colours);
   renderer_.set_segments(segments_);
+  sorted_.clear();
   stage.bytes(2 * tangents.size() * sizeof(glm::vec4) + segments_.size() * sizeof(StrandSegment));
 }
 
@@ -161,6 +162,11 @@ void StrandFrame::look_up_at_fragments() {
 }
 
 void StrandFrame::update_order(const StrandFrameSettings& frame) {
+  if (frame.strands.order != StrandOrder::sorted && !sorted_.empty()) {
+    // Sums of floats depend on their order: no picture does on the frame before.
+    renderer_.set_segments(segments_);
+    sorted_.clear();
+  }
   if (frame.strands.order == StrandOrder::exact) return;
   auto stage = ledger_.run("order");
   const glm::vec3 forward = glm::normalize(frame.camera.target - frame.camera.eye);

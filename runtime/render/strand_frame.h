@@ -79,7 +79,8 @@ class StrandFrame {
   float opacity_;
   Mesh head_;
   Bounds bounds_, drawn_bounds_;
-  std::vector<StrandSegment> segments_, sorted_;
+  std::vector<StrandSegment> segments_;
+  std::vector<StrandSegment> sorted_;  // what the renderer has; empty: segments_
   std::vector<LightShadow> shadows_;
   float nearest_m_ = 0;
   std::optional<StrandFrameSettings> last_;  // none: nothing is up to date

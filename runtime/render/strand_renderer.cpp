@@ -6,7 +6,6 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
-#include "pelage/render/fragment_lists.h"
 #include "pelage/render/shader_inputs.h"
 #include "pelage/render/weighted_blend.h"
 
@@ -18,6 +17,8 @@ constexpr const char* kRemedy = "use fewer strands or less smoothing";
 }  // namespace
 
 struct StrandRenderer::Resources {
+  explicit Resources(std::size_t most_list_bytes) : lists(most_list_bytes) {}
+
   VertexArray array;
   Buffer vertices, tangents, transmittance, segments, colours;
   std::size_t segment_count = 0;
@@ -28,7 +29,7 @@ struct StrandRenderer::Resources {
   std::array<std::unique_ptr<Program>, 6> programs;  // [order][shadow at fragment], built when first used
 };
 
-StrandRenderer::StrandRenderer() : gl_(std::make_unique<Resources>()) {
+StrandRenderer::StrandRenderer(std::size_t most_list_bytes) : gl_(std::make_unique<Resources>(most_list_bytes)) {
   check_opengl("building the shaders");
 }
 StrandRenderer::~StrandRenderer() = default;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "pelage/data_schema/scene.h"
+#include "pelage/render/fragment_lists.h"
 #include "pelage/render/head_renderer.h"
 #include "pelage/render/strand_geometry.h"
 #include "pelage/shadow/hair_shadow.h"
@@ -29,7 +30,8 @@ struct StrandDrawRequest {
 
 class StrandRenderer {
  public:
-  StrandRenderer();
+  /// @param most_list_bytes  of the exact order's lists; tests make it small
+  explicit StrandRenderer(std::size_t most_list_bytes = FragmentLists::kMostListBytes);
   ~StrandRenderer();
   StrandRenderer(const StrandRenderer&) = delete;
   StrandRenderer& operator=(const StrandRenderer&) = delete;

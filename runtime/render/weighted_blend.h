@@ -17,7 +17,7 @@ class WeightedBlend {
   /// Defines of a program whose fragment shader ends in common_output.glsl's put_fragment().
   static constexpr const char* kDefine = "#define PELAGE_WEIGHTED";
   /// About the depth of hair that hides what is behind it.
-  static constexpr float kWeightDepth_m = 0.004F;
+  static constexpr float kWeightDepth_m = 0.012F;
 
   WeightedBlend();
   ~WeightedBlend();

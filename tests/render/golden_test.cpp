@@ -9,11 +9,21 @@
 #include "fixture.h"
 #include "pelage/data_schema/hairstyle.h"
 #include "pelage/image/image_file.h"
+#include "strands.h"
 
 namespace pelage {
 namespace {
 
-class Golden : public test::WithOpenGl {};
+class Golden : public test::WithOpenGl {
+ protected:
+  void SetUp() override {
+    test::WithOpenGl::SetUp();
+    if (IsSkipped()) return;
+    const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    if (renderer.find("llvmpipe") == std::string::npos)
+      GTEST_SKIP() << "golden pictures are llvmpipe's, not " << renderer;
+  }
+};
 
 /// Of 255: a value off by more than the soft limit may occur in this share of all values, by more than the hard limit
 /// never. llvmpipe's vector width depends on the CPU and changes single samples on edges.
@@ -51,26 +61,55 @@ void expect_like_golden(const Image& image, const std::string& name) {
                 << kSoft << " (limit " << 100 * kShare << " %); picture and difference are in " << folder;
 }
 
+/// Written out, so that new defaults leave the pictures alone.
+HairMaterial golden_material() {
+  return {"golden",     glm::vec3(0.2F, 0.1F, 0.05F),
+          glm::vec3(1), glm::vec3(0.3F, 0.15F, 0.08F),
+          1.0F,         0.25F,
+          0.35F,        80,
+          20,           0.12F,
+          0.2F,         0.12F};
+}
+
 TEST_F(Golden, Lock) {
-  const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  if (renderer.find("llvmpipe") == std::string::npos)
-    GTEST_SKIP() << "golden pictures are llvmpipe's, not " << renderer;
   Hairstyle style = load_hairstyle(PELAGE_SOURCE_DIR "/data_schema/examples/lock.hairstyle.json");
   style.division = {3, 12, 16, 0.1F};
   FrameSettings frame = test::front_view();
   frame.camera.eye = {0.1F, 0.15F, 0.55F};
   frame.camera.target = {0, 0.1F, 0};
   frame.lights = {{{0.5F, 0.8F, 0.7F}, {}, glm::vec3(1), 2.0F}, {{-0.8F, 0.2F, -0.4F}, {}, {0.8F, 0.9F, 1}, 0.6F}};
-  // Written out, so that new defaults leave the picture alone.
-  frame.material = {"golden",     glm::vec3(0.2F, 0.1F, 0.05F),
-                    glm::vec3(1), glm::vec3(0.3F, 0.15F, 0.08F),
-                    1.0F,         0.25F,
-                    0.35F,        80,
-                    20,           0.12F,
-                    0.2F,         0.12F};
+  frame.material = golden_material();
   Image image = test::frame_of(style)->render(frame, 120, 160, 2);
   compose_over(image, glm::vec3(0.85F));
   expect_like_golden(test::checked(std::move(image)), "lock");
+}
+
+/// Wavy strands over a wall, a light from the side and a lamp beside them.
+Image strand_picture(StrandSettings strands) {
+  StrandFrameSettings frame = test::strands_from_the_front();
+  frame.camera.eye = {0.1F, 0.05F, 0.5F};
+  frame.lights = {{{0.5F, 0.8F, 0.7F}, {}, glm::vec3(1), 2.0F},
+                  {{}, glm::vec3(-0.2F, 0, 0.1F), {0.8F, 0.9F, 1}, 0.03F}};
+  frame.material = golden_material();
+  frame.strands = strands;
+  StrandFrame hair(test::strand_lock(400, 12), 0.6F, test::wall());
+  Image image = hair.render(frame, 100, 140, 2);
+  compose_over(image, glm::vec3(0.85F));
+  return test::checked(std::move(image));
+}
+
+TEST_F(Golden, Strands) {
+  StrandSettings strands;
+  strands.smoothing = 3;
+  expect_like_golden(strand_picture(strands), "strands");
+}
+
+TEST_F(Golden, StrandLines) {
+  StrandSettings strands;
+  strands.shape = StrandShape::lines;
+  strands.order = StrandOrder::weighted;
+  strands.lobes = StrandLobes::kajiya_kay;
+  expect_like_golden(strand_picture(strands), "strand_lines");
 }
 
 }  // namespace
