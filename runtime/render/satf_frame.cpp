@@ -31,6 +31,11 @@ FrameSettings with_light(FrameSettings frame) {
   return frame;
 }
 
+/// Of no meaning for a point light.
+glm::vec3 parallel_direction(const Light& light) {
+  return light.position ? glm::vec3(0, 1, 0) : glm::normalize(light.direction);
+}
+
 }  // namespace
 
 SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, const BakeSettings& bake, Mesh head)
@@ -60,9 +65,6 @@ SatfFrame::~SatfFrame() = default;
 
 void SatfFrame::update(const FrameSettings& frame) {
   check_light_count(frame.lights);
-  for (const Light& light : frame.lights) {
-    if (light.position) throw UsageError("method satf takes directional lights only; give the light a direction");
-  }
   if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);
   if (!last_ || !same_maps(*last_, frame)) update_maps(frame);
   if (!last_ || !same_order(*last_, frame)) update_order(frame);
@@ -85,8 +87,8 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
     }
     auto stage = ledger_.run("s-maps");
     shadows_[i].resize(model_.texels());
-    const ShadowRequest request{glm::normalize(frame.lights[i].direction), frame.satf.self_shadow == SelfShadow::light,
-                                frame.satf.curvature, map ? &*map : nullptr};
+    const ShadowRequest request{parallel_direction(frame.lights[i]), frame.satf.self_shadow == SelfShadow::light,
+                                frame.satf.curvature, map ? &*map : nullptr, frame.lights[i].position};
     build_shadows(model_, *source_, request, shadows_[i]);
     stage.bytes(shadows_[i].size() * sizeof(std::uint16_t));
   }
@@ -98,7 +100,8 @@ void SatfFrame::update_maps(const FrameSettings& frame) {
   {
     auto stage = ledger_.run("maps");
     for (std::size_t i = 0; i < frame.lights.size(); ++i) {
-      const MapRequest request{frame.camera.eye, glm::normalize(frame.lights[i].direction), frame.satf};
+      const MapRequest request{frame.camera.eye, parallel_direction(frame.lights[i]), frame.satf,
+                               frame.lights[i].position};
       build_maps(model_, *source_, request, shadows_[i],
                  std::span(texels_).subspan(i * model_.texels(), model_.texels()));
     }

@@ -134,7 +134,8 @@ void build_row(const SatfModel& model, const RecordSource& source, const MapRequ
   const Frame& frame = swept.frames[row];
   const PlateDirection view =
       plate_direction(frame, swept.cross_sections[row], glm::normalize(request.eye - frame.position));
-  const PlateDirection light = plate_direction(frame, swept.cross_sections[row], request.to_light);
+  const glm::vec3 to_light = towards_light(request.to_light, request.light_place, frame.position);
+  const PlateDirection light = plate_direction(frame, swept.cross_sections[row], to_light);
   for (int j = 0; j < model.division.layers; ++j) {
     const auto layer = static_cast<std::size_t>(j);
     auto& alpha = scratch.alpha[layer];

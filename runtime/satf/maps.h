@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct MapRequest {
   glm::vec3 eye{0, 0, 1};       // metres
   glm::vec3 to_light{0, 1, 0};  // unit
   SatfSettings settings;
+  std::optional<glm::vec3> light_place{};  // of a point light [m]: each plate has its own direction, not to_light
 };
 
 /// Optical depth of one ring of one instance as seen along `d`: [width], and straight reflectance for light `l` if `re`

@@ -39,6 +39,14 @@ PlateDirection plate_direction(const Frame& frame, const CrossSection& s, glm::v
   return d;
 }
 
+glm::vec3 towards_light(const glm::vec3& to_light, const std::optional<glm::vec3>& place,
+                        const glm::vec3& from) noexcept {
+  if (!place) return to_light;
+  const glm::vec3 way = *place - from;
+  const float length = glm::length(way);
+  return length > 0.0F ? way / length : glm::vec3(0, 1, 0);
+}
+
 RingShape ring_shape(const Division& division, int layer) noexcept {
   RingShape ring{};
   ring.sectors = sectors_in_layer(division, layer);

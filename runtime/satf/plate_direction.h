@@ -7,6 +7,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 
 #include "pelage/satf/model.h"
@@ -24,6 +25,10 @@ struct PlateDirection {
 /// @param towards  unit vector towards viewer or light. Where it runs along the axis the azimuth is undefined: then
 ///                 phi = 0 and planar tells by how much to trust it.
 PlateDirection plate_direction(const Frame& frame, const CrossSection& s, glm::vec3 towards) noexcept;
+
+/// Unit vector from a plate at `from` towards a light: `to_light`, or the way to a point light's place.
+glm::vec3 towards_light(const glm::vec3& to_light, const std::optional<glm::vec3>& place,
+                        const glm::vec3& from) noexcept;
 
 /// Layer as the maps see it: radii in disk coordinates and the size of a sector in them.
 struct RingShape {

@@ -114,7 +114,8 @@ void shadow_row(const SatfModel& model, const RecordSource& source, const Shadow
                 std::span<std::uint16_t> shadows) {
   const SweptCluster& swept = model.instances[instance].swept;
   const auto row = static_cast<std::size_t>(plate);
-  const PlateDirection light = plate_direction(swept.frames[row], swept.cross_sections[row], request.to_light);
+  const glm::vec3 to_light = towards_light(request.to_light, request.light_place, swept.frames[row].position);
+  const PlateDirection light = plate_direction(swept.frames[row], swept.cross_sections[row], to_light);
   const float extinction = mean_extinction(model, instance, plate);
   exit_depths(model, request.others, instance, plate, scratch.exits);
   for (std::size_t j = 0; request.self_shadow && j < scratch.depth.size(); ++j) {

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,10 +19,11 @@
 namespace pelage {
 
 struct ShadowRequest {
-  glm::vec3 to_light{0, 1, 0};         // unit
-  bool self_shadow = true;             // within the cluster, following the light
-  bool curvature = true;               // the chord of the curved ring, as the picture has it
-  const DensityMap* others = nullptr;  // shadow of everything beyond the envelope; null: none
+  glm::vec3 to_light{0, 1, 0};             // unit
+  bool self_shadow = true;                 // within the cluster, following the light
+  bool curvature = true;                   // the chord of the curved ring, as the picture has it
+  const DensityMap* others = nullptr;      // shadow of everything beyond the envelope; null: none
+  std::optional<glm::vec3> light_place{};  // of a point light [m]: each plate has its own direction, not to_light
 };
 
 /// Fills `shadows` [model.texels()] with transmittance in 1/65535. Depends on light and geometry, not on the view.

@@ -273,6 +273,26 @@ TEST_F(Frame, LightsAddUp) {
   EXPECT_LT(difference(sum, with({a, b})).most, 6 * 0x1p-11);
 }
 
+TEST_F(Frame, FarPointLightIsADirectionalOne) {
+  const auto frame = frame_of(test::three_locks(), test::wall());
+  FrameSettings settings = front_view();
+  const glm::vec3 direction = glm::normalize(glm::vec3(0.4F, 0.7F, 0.6F));
+  settings.lights[0] = {direction, {}, glm::vec3(1), 1.0F};
+  const Image parallel = checked(frame->render(settings, 64, 48, 1));
+  const auto lamp = [&](float metres) {
+    settings.lights[0] = {glm::vec3(0), metres * direction, glm::vec3(1), metres * metres};
+    return checked(frame->render(settings, 64, 48, 1));
+  };
+  // Directions differ by 0.1 m / distance, and cells of the shadow map lie elsewhere.
+  const double near = difference(parallel, lamp(0.3F)).rms, far = difference(parallel, lamp(300)).rms;
+  std::printf("point light against parallel: at 0.3 m rms %.2g, at 300 m %.2g\n", near, far);
+  EXPECT_LT(far, 0.004);
+  EXPECT_GT(near, 5 * far);
+  settings.lights[0].position = glm::vec3(0, 0.1F, 0.01F);  // at a centre line
+  settings.lights[0].intensity = 1e-3F;
+  checked(frame->render(settings, 64, 48, 1));
+}
+
 /// Alpha averaged over rows of the picture of a straight lock from the front, top (root) to bottom (tip).
 std::vector<double> alpha_by_row(bool fade) {
   const auto frame = frame_of(test::straight_lock());
