@@ -85,6 +85,7 @@ void FibreScene::State::build_hair() {
 }
 
 void FibreScene::State::build_head(const Mesh& mesh) {
+  PELAGE_ASSERT(mesh.normals.size() == mesh.vertices.size());
   for (const glm::vec3& p : mesh.vertices) {
     head_points.emplace_back(p, 0.0F);
     head_box.add(glm::dvec3(p), 0);

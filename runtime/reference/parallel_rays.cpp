@@ -79,7 +79,9 @@ ParallelRays::ParallelRays(const FibreCurves& curves, const LightFrame& frame) :
   }
   const glm::dvec2 size(box.high - box.low);
   corner_ = glm::dvec2(box.low);
-  cell_m_ = std::max(size.x, size.y) / std::clamp(std::sqrt(static_cast<double>(segments)) / 8, 1.0, 1024.0);
+  // Hair without width that runs along the rays has no size.
+  const double longest = std::max({size.x, size.y, curves.least_widening});
+  cell_m_ = longest / std::clamp(std::sqrt(static_cast<double>(segments)) / 8, 1.0, 1024.0);
   columns_ = static_cast<int>(size.x / cell_m_) + 1;
   rows_ = static_cast<int>(size.y / cell_m_) + 1;
   begins_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);

@@ -88,6 +88,20 @@ TEST(Truth, EmptySceneIsExactlyOne) {
   EXPECT_TRUE(truth_transmittance(scene, {}, Light{}, {}, 1).empty());
 }
 
+TEST(Truth, HairWithoutWidthAlongTheRaysAndRepeatedVerticesAreNoTrouble) {
+  Strands s = sample::one_strand({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}, 0);
+  s.diameters_m = {0, 0, 0};
+  const TruthPoint p{{0, 0, 0}};
+  for (const Light& light : {from({0, 0, 1}), at({0, 0, 5})}) {
+    EXPECT_EQ(truth_transmittance(FibreScene(s, 0.5F), {&p, 1}, light, {}, 1)[0].mean, 1);
+  }
+  s.diameters_m = {1e-2F, 1e-2F, 1e-2F};  // seen end on: finite, and a disc of no area by definition, or of D / 2
+  for (const Light& light : {from({0, 0, 1}), at({0, 0, 5})}) {
+    const double t = truth_transmittance(FibreScene(s, 0.5F), {&p, 1}, light, {}, 1)[0].mean;
+    EXPECT_TRUE(t >= 0.5 && t <= 1) << t;
+  }
+}
+
 TEST(Truth, RaysTracedTogetherCrossWhatSingleRaysCross) {
   // Hair of all kinds: bends, folds, steep to the rays, widths that vary, zero lengths.
   Strands all[] = {some_hair(), sample::walks(500, 20, 0.01, 0.002, 10, kD, 2),
