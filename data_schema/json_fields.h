@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -85,6 +86,16 @@ requires std::is_enum_v<E> ordered_json put(E value) {
   return std::string(kNames<E>[static_cast<std::size_t>(value)]);
 }
 
+/// A key that may be absent: read where it is there, written where it has a value.
+template <class T>
+void get(const json& j, std::optional<T>& value) {
+  get(j, value.emplace());
+}
+template <class T>
+ordered_json put(const std::optional<T>& value) {
+  return value ? put(*value) : ordered_json();
+}
+
 template <class S>
 concept Struct = requires(S& s) {
   fields([](const char*, auto&) {}, s);
@@ -101,7 +112,11 @@ void get(const json& j, S& value) {
 template <Struct S>
 ordered_json put(S value) {
   ordered_json j = ordered_json::object();
-  fields([&](const char* key, auto& member) { j[key] = put(std::as_const(member)); }, value);
+  fields(
+      [&](const char* key, auto& member) {
+        if (ordered_json written = put(std::as_const(member)); !written.is_null()) j[key] = std::move(written);
+      },
+      value);
   return j;
 }
 

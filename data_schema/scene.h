@@ -82,12 +82,13 @@ struct ImageSettings {
 };
 
 struct Scene {
-  std::string hair;              // hair file or hairstyle file, relative to the scene file
-  std::string head;              // OBJ or empty
-  std::string database;          // or empty: an adapted one is baked and cached
-  std::string unit = "m";        // of hair and head: m, cm, mm, in
-  std::string up = "y";          // of hair and head: x, y, z
-  std::optional<Camera> camera;  // none: framed
+  std::string hair;                // hair file or hairstyle file, relative to the scene file
+  std::string head;                // OBJ or empty
+  std::string database;            // or empty: an adapted one is baked and cached
+  std::string unit = "m";          // of hair and head: m, cm, mm, in
+  std::string up = "y";            // of hair and head: x, y, z
+  std::string curve = "polyline";  // what the hair file's vertices are: polyline, bspline
+  std::optional<Camera> camera;    // none: framed
   std::vector<Light> lights{Light{}};
   HairMaterial material;
   Method method = Method::satf;

@@ -18,6 +18,18 @@ inline constexpr std::array<std::string_view, 3> kNames<DrawOrder>{"clusters", "
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<RecordsFrom>{"database", "own-alpha", "direct"};
 
+template <>
+inline constexpr std::array<std::string_view, 6> kNames<Method>{"satf",           "density-map", "deep-opacity",
+                                                                "opacity-shadow", "unshadowed",  "truth"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<StrandShape>{"lines", "ribbons"};
+template <>
+inline constexpr std::array<std::string_view, 3> kNames<StrandOrder>{"exact", "sorted", "weighted"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<StrandLobes>{"kajiya-kay", "scheuermann"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<ShadowAt>{"vertex", "fragment"};
+
 }  // namespace pelage::json_fields
 
 namespace pelage {
@@ -33,6 +45,7 @@ void fields(F&& f, Camera& c) {
 template <class F>
 void fields(F&& f, Light& l) {
   f("direction", l.direction);
+  f("position", l.position);
   f("colour", l.colour);
   f("intensity", l.intensity);
 }
@@ -71,6 +84,56 @@ void fields(F&& f, SatfSettings& s) {
 }
 
 template <class F>
+void fields(F&& f, StrandSettings& s) {
+  f("shape", s.shape);
+  f("order", s.order);
+  f("lobes", s.lobes);
+  f("shadow_at", s.shadow_at);
+  f("smoothing", s.smoothing);
+  f("diffuse", s.diffuse);
+  f("primary_highlight", s.primary_highlight);
+  f("secondary_highlight", s.secondary_highlight);
+}
+
+template <class F>
+void fields(F&& f, DensityMapSettings& s) {
+  f("resolution", s.resolution);
+  f("factor", s.factor);
+  f("area", s.area);
+  f("split", s.split);
+  f("trilinear_deposit", s.trilinear_deposit);
+  f("centred_lookup", s.centred_lookup);
+  f("interpolate_depth", s.interpolate_depth);
+  f("footprint_m", s.footprint_m);
+  f("filter", s.filter);
+  f("fitted", s.fitted);
+  f("extent_m", s.extent_m);
+  f("adaptive_slices", s.adaptive_slices);
+}
+
+template <class F>
+void fields(F&& f, OpacityMapSettings& s) {
+  f("resolution", s.resolution);
+  f("layers", s.layers);
+  f("slices", s.slices);
+}
+
+template <class F>
+void fields(F&& f, ShadowSettings& s) {
+  f("density_map", s.density_map);
+  f("opacity_map", s.opacity_map);
+}
+
+template <class F>
+void fields(F&& f, TruthSettings& s) {
+  f("rays", s.rays);
+  f("footprint_m", s.footprint_m);
+  f("samples", s.samples);
+  f("stop_below", s.stop_below);
+  f("azimuth", s.azimuth);
+}
+
+template <class F>
 void fields(F&& f, ImageSettings& i) {
   f("width", i.width);
   f("height", i.height);
@@ -86,12 +149,17 @@ void fields(F&& f, Scene& s) {
   f("database", s.database);
   f("unit", s.unit);
   f("up", s.up);
+  f("curve", s.curve);
   f("clusters", s.clusters);
   f("division", s.division);
   f("camera", s.camera);
   f("lights", s.lights);
   f("material", s.material);
+  f("method", s.method);
   f("satf", s.satf);
+  f("strands", s.strands);
+  f("shadow", s.shadow);
+  f("truth", s.truth);
   f("image", s.image);
   f("bake", s.bake);
 }
@@ -168,7 +236,7 @@ void check_camera(const Camera& camera, const std::string& where) {
 void check(const Scene& scene, const std::string& where) {
   if (scene.camera) check_camera(*scene.camera, where);
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    if (glm::length(scene.lights[i].direction) < 1e-6F)
+    if (!scene.lights[i].position && glm::length(scene.lights[i].direction) < 1e-6F)
       throw InputError(where, "lights/" + std::to_string(i) + ": direction has no length");
   check(scene.bake, where);
 }

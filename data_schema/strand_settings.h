@@ -9,23 +9,26 @@ namespace pelage {
 /// The light-oriented density map [Bertails2005]. The defaults are the corrected form of DESIGN section 6; each
 /// correction can be switched off alone, and printed() is the paper's own.
 struct DensityMapSettings {
-  int resolution = 128;           // cells along the longest side of the map, [1, 1024]
-  float factor = 1.0F;            // the paper's f as a multiple of its calibrated value, >= 0
-  bool area = true;               // deposit a D len sin(segment, light); off: count vertices
-  bool split = true;              // pieces of at most half a cell; off: one deposit per vertex or segment
-  bool trilinear_deposit = true;  // off: into the nearest cell
-  bool centred_lookup = true;     // off: a cell's value sits at its far corner
-  bool interpolate_depth = true;  // off: transmittance is interpolated, not its logarithm
-  bool filter = true;             // off: the nearest cell's value (A Fig. 5, left)
-  bool fitted = true;             // box around the hair; off: 2 l_max + h_max wide, cells anchored in space (A 2.2)
-  float extent_m = 0;             // side of the map [m] instead of either; 0: none given
-  bool adaptive_slices = false;   // slices along the light of equal content instead of equal thickness
+  int resolution = 128;            // cells along the longest side of the map, [1, 1024]
+  float factor = 1.0F;             // the paper's f as a multiple of its calibrated value, >= 0
+  bool area = true;                // deposit a D len sin(segment, light); off: count vertices
+  bool split = true;               // pieces of at most half a cell; off: one deposit per vertex or segment
+  bool trilinear_deposit = true;   // off: into the nearest cell
+  bool centred_lookup = true;      // off: a cell's value sits at its far corner
+  bool interpolate_depth = false;  // on: depth is interpolated, the exponential taken at lookup
+  float footprint_m =
+      0.002F;          // where cells are finer: mean over a disc of this radius [m], as the truth has it; 0: off
+  bool filter = true;  // off: the nearest cell's value (A Fig. 5, left)
+  bool fitted = true;  // box around the hair; off: 2 l_max + h_max wide, cells anchored in space (A 2.2)
+  float extent_m = 0;  // side of the map [m] instead of either; 0: none given
+  bool adaptive_slices = false;  // slices along the light of equal content instead of equal thickness
   bool operator==(const DensityMapSettings&) const = default;
 
   /// As the paper prints it: counts, nearest cell, corner lookup, interpolated transmittance, box of constant size.
   static DensityMapSettings printed() noexcept {
     DensityMapSettings s;
-    s.area = s.split = s.trilinear_deposit = s.centred_lookup = s.interpolate_depth = s.fitted = false;
+    s.area = s.split = s.trilinear_deposit = s.centred_lookup = s.fitted = false;
+    s.footprint_m = 0;
     return s;
   }
 };

@@ -238,12 +238,45 @@ void DensityMap::read(const Face& face, std::span<const glm::vec3> points, std::
   CellBlock at{};
   const std::size_t n = points.size();
   face.mapping.cells(points, at);
-  if (settings_.filter)
-    face.grid.interpolate(at, n, out);
+  const float spread = tap_cells(face);
+  if (spread > 0)
+    read_footprint(face, at, points, spread, out);
   else
-    face.grid.nearest(at, n, out);
-  if (settings_.interpolate_depth) exponentiate(out.data(), n);
+    read_once(face, at, out);
   for (std::size_t i = 0; i < n; ++i) out[i] += not_finite(points[i]);
+}
+
+void DensityMap::read_once(const Face& face, const CellBlock& at, std::span<float> out) const noexcept {
+  if (settings_.filter)
+    face.grid.interpolate(at, out.size(), out);
+  else
+    face.grid.nearest(at, out.size(), out);
+  if (settings_.interpolate_depth) exponentiate(out.data(), out.size());
+}
+
+float DensityMap::tap_cells(const Face& face) const noexcept {
+  if (!settings_.filter || face.mapping.point_light) return 0;
+  // Variances along an axis, in cells: a disc's r^2 / 4; deposit 1/6 (nearest: 1/12) and interpolation 1/6 have spread
+  // the hair by that much already. Two taps at +-d add d^2.
+  const float radius = settings_.footprint_m * face.mapping.cells_per_unit.y;
+  const float left = 0.25F * radius * radius - (settings_.trilinear_deposit ? 1.0F / 3.0F : 0.25F);
+  return left > 0 ? std::sqrt(left) : 0;
+}
+
+void DensityMap::read_footprint(const Face& face, const CellBlock& at, std::span<const glm::vec3> points, float spread,
+                                std::span<float> out) const noexcept {
+  const std::size_t n = points.size();
+  std::array<float, CellBlock::kSize> tap;
+  CellBlock moved = at;
+  std::fill(out.begin(), out.end(), 0.0F);
+  for (const float y : {-spread, spread}) {
+    for (std::size_t i = 0; i < n; ++i) moved.y[i] = at.y[i] + y;
+    for (const float z : {-spread, spread}) {
+      for (std::size_t i = 0; i < n; ++i) moved.z[i] = at.z[i] + z;
+      read_once(face, moved, std::span(tap).first(n));
+      for (std::size_t i = 0; i < n; ++i) out[i] += 0.25F * tap[i];
+    }
+  }
 }
 
 void DensityMap::transmittance(std::span<const glm::vec3> points, std::span<float> out) const {
@@ -282,7 +315,9 @@ float DensityMap::optical_depth(glm::vec3 p) const noexcept {
   face.mapping.cells(std::span(&p, 1), at);
   float value = 0;
   face.grid.interpolate(at, 1, std::span(&value, 1));
-  return (settings_.interpolate_depth ? value : -std::log(value)) + not_finite(p);
+  // The smallest normal float: depth stays finite (hard case 6).
+  if (!settings_.interpolate_depth) value = -std::log(std::max(value, std::numeric_limits<float>::min()));
+  return value + not_finite(p);
 }
 
 float DensityMap::transmittance(glm::vec3 p) const noexcept {
@@ -305,8 +340,10 @@ double DensityMap::deposited_area_m2() const noexcept {
 std::optional<DepthTexture> DensityMap::depth_texture() const {
   const Face& face = faces_.front();
   if (face.mapping.point_light || !face.mapping.slices.at.empty()) return std::nullopt;
-  if (!settings_.filter || !settings_.interpolate_depth) return std::nullopt;
+  if (!settings_.filter) return std::nullopt;
   DepthTexture texture;
+  texture.transmittance = !settings_.interpolate_depth;
+  texture.tap_cells = tap_cells(face);
   texture.size = face.grid.cells();
   for (int x = 0; x < texture.size.x; ++x) {
     for (int y = 0; y < texture.size.y; ++y) {

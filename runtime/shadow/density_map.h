@@ -6,7 +6,10 @@
 // - a segment deposits the area a D len sin(segment, light) that it blocks, not a count per vertex; cut to half cells,
 //   spread trilinearly;
 // - values sit at cell centres and count half of their own cell, so that a fibre shadows itself by half;
-// - depth is interpolated and the exponential taken once at lookup, which also keeps it finite (hard case 6).
+// - transmittance is interpolated, as the paper has it: interpolating depth instead (DESIGN section 6) triples the bias
+//   in clumped hair and adds a third to the error (10,000 wavy strands, 128^3: RMSE .043 against .033, bias -.013
+//   against -.004), since light goes between the clumps. It stays as a switch;
+// - where cells are finer than the footprint over which the truth is averaged, so are reads: 256^3 .023 -> .017.
 // The paper's torus (cell index modulo N) is a way to store a box that moves through a space of constant size. Here the
 // occupied box itself is stored, densely, and grows with the hair: what the torus has to guard against (negative
 // indices, the first slice next to the last, hair that folds onto itself) cannot happen. `fitted = false` keeps the
@@ -41,7 +44,8 @@ class DensityMap final : public HairShadow {
   std::optional<DepthTexture> depth_texture() const override;
   BuildTimes times() const noexcept override { return times_; }
 
-  /// Optical depth >= 0 between p and the light, up to 128; NaN where p is not finite.
+  /// Optical depth >= 0 between p and the light, up to 128 (87 where transmittance is what is interpolated), over no
+  /// footprint; NaN where p is not finite.
   float optical_depth(glm::vec3 p) const noexcept;
   float transmittance(glm::vec3 p) const noexcept;
 
@@ -64,6 +68,11 @@ class DensityMap final : public HairShadow {
   void fill(const Strands& strands, float opacity, Face& face);
   const Face& face_of(glm::vec3 p) const noexcept;
   void read_faces(std::span<const glm::vec3> points, std::span<float> out) const noexcept;
+  void read_once(const Face& face, const CellBlock& at, std::span<float> out) const noexcept;
+  /// Distance of the four taps of a footprint from its middle, in cells; 0: the map is coarser than the footprint.
+  float tap_cells(const Face& face) const noexcept;
+  void read_footprint(const Face& face, const CellBlock& at, std::span<const glm::vec3> points, float spread,
+                      std::span<float> out) const noexcept;
   void read(const Face& face, std::span<const glm::vec3> points, std::span<float> out) const noexcept;
 
   DensityMapSettings settings_;

@@ -146,11 +146,12 @@ struct Samples {
   alignas(64) std::array<float, CellBlock::kSize> fx, fy, fz;
 };
 
-PELAGE_CLONES void sample_places(const CellBlock& b, Shape s, std::size_t n, float shift, Samples& out) noexcept {
+PELAGE_CLONES void sample_places(const CellBlock& b, Shape s, std::size_t n, float shift_x, float shift,
+                                 Samples& out) noexcept {
   const auto last_x = static_cast<float>(s.x - 1), last_y = static_cast<float>(s.y - 1),
              last_z = static_cast<float>(s.z - 1);
   for (std::size_t i = 0; i < n; ++i) {
-    const float x = held(b.x[i] - shift, last_x), y = held(b.y[i] - shift, last_y), z = held(b.z[i] - shift, last_z);
+    const float x = held(b.x[i] - shift_x, last_x), y = held(b.y[i] - shift, last_y), z = held(b.z[i] - shift, last_z);
     const std::int32_t ix = std::min(static_cast<std::int32_t>(x), s.x - 2),
                        iy = std::min(static_cast<std::int32_t>(y), s.y - 2),
                        iz = std::min(static_cast<std::int32_t>(z), s.z - 2);
@@ -238,7 +239,8 @@ namespace {
 
 Samples samples_at(const CellBlock& at, std::size_t count, Shape shape, DepthGrid::Values values) noexcept {
   Samples samples;
-  sample_places(at, shape, count, values == DepthGrid::Values::centre ? 0.5F : 1.0F, samples);
+  sample_places(at, shape, count, values == DepthGrid::Values::centre ? 0.5F : 1.0F,
+                values == DepthGrid::Values::far_corner ? 1.0F : 0.5F, samples);
   return samples;
 }
 

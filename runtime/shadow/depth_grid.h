@@ -31,8 +31,8 @@ struct PieceBlock : CellBlock {
 
 class DepthGrid {
  public:
-  /// Where in its cell a value is taken to sit when it is read.
-  enum class Values { centre, far_corner };
+  /// Where in its cell a value sits: planes is far along the light, in the middle across it.
+  enum class Values { centre, far_corner, planes };
 
   static constexpr float kQuantum = 1.0F / (1 << 24);  // of optical depth
 
@@ -44,7 +44,7 @@ class DepthGrid {
   /// Spread over the eight nearest cells; what they receive sums to the piece's depth exactly.
   void add_trilinear(PieceBlock& block, std::size_t copy) noexcept;
 
-  /// Adds up along the light, once, over all copies. centre: a cell counts half of itself; far_corner: all of itself
+  /// Adds up along the light, once, over all copies. centre: a cell counts half of itself; else all of itself
   /// [Bertails2005 eq. 3]. @param transmittance  the values become exp(-depth)
   void accumulate(Values values, bool transmittance) noexcept;
 

@@ -6,6 +6,7 @@
 
 #include "pelage/data_schema/errors.h"
 #include "pelage/shadow/density_map.h"
+#include "pelage/shadow/opacity_maps.h"
 
 namespace pelage {
 namespace {
@@ -22,6 +23,10 @@ std::unique_ptr<HairShadow> method_of(Method method, const ShadowSettings& setti
   switch (method) {
     case Method::density_map:
       return std::make_unique<DensityMap>(settings.density_map);
+    case Method::deep_opacity:
+      return std::make_unique<DeepOpacityMap>(settings.opacity_map);
+    case Method::opacity_shadow:
+      return std::make_unique<OpacityShadowMap>(settings.opacity_map);
     case Method::unshadowed:
       return std::make_unique<NoShadow>();
     default:

@@ -17,11 +17,14 @@
 
 namespace pelage {
 
-/// A map as a 3D texture: optical depth at whole cell coordinates, trilinear between them. For lookups on the GPU.
+/// A map as a 3D texture: values at whole cell coordinates, trilinear between them. For lookups on the GPU.
 struct DepthTexture {
   glm::ivec3 size{0};          // along the light, across, across
-  std::vector<float> depth;    // [x][y][z], >= 0; slice 0 is 0, so clamping x to [0, size.x - 1] is right on both ends
-  glm::mat4 world_to_cell{1};  // affine. Beside the map in y or z (outside [0, size - 1]) the depth fades to 0
+  std::vector<float> depth;    // [x][y][z] optical depth >= 0, or transmittance. What lies outside has the value at the
+                               // border: coordinates are clamped to [0, size - 1]
+  glm::mat4 world_to_cell{1};  // affine
+  bool transmittance = false;  // values are exp(-depth) already, and are what is interpolated
+  float tap_cells = 0;         // > 0: mean of four reads at (y +- tap, z +- tap)
 };
 
 /// Of the two stages that build a map [Bertails2005 sections 3.1, 3.2]; the third, the filter, is transmittance().

@@ -23,13 +23,16 @@ struct Segment {
   glm::vec3 a, b;  // metres
 };
 
-/// The corrected map of segments that block `width_m`, one strand each.
+/// The corrected map of segments that block `width_m`, one strand each. Depth is interpolated, so that what is linear
+/// can be tested as such, over no footprint but the cells' own.
 DensityMap map_of(std::span<const Segment> segments, glm::vec3 to_light, float width_m, int resolution) {
   Strands strands;
   strands.diameter_m = width_m;
   for (const Segment& s : segments) strands.append(std::array{s.a, s.b});
   DensityMapSettings settings;
   settings.resolution = resolution;
+  settings.interpolate_depth = true;
+  settings.footprint_m = 0;
   return {settings, strands, 1.0F, Light{to_light, {}, glm::vec3(1), 1}};
 }
 const std::vector<glm::vec3> kAxes{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
