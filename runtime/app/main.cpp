@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
   pelage::app::add_cluster(app);
   pelage::app::add_render(app);
   pelage::app::add_view(app);
+  pelage::app::add_shadow_error(app);
   return pelage::console::run_program(app, argc, argv);
 }

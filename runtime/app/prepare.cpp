@@ -19,6 +19,7 @@
 #include "pelage/hair/cluster_fit.h"
 #include "pelage/hair/hair_file.h"
 #include "pelage/hair/mesh_obj.h"
+#include "pelage/satf/self_shadow.h"
 
 namespace pelage::app {
 
@@ -62,17 +63,24 @@ hair::ReadOptions read_options(const Scene& scene) {
   hair::ReadOptions read;
   read.metres_per_unit = hair::parse_unit(scene.unit);
   read.up = hair::parse_up_axis(scene.up);
+  read.curve = hair::parse_curve(scene.curve);
   return read;
 }
 
-Hairstyle fit_hairstyle(const Scene& scene) {
-  hair::ReadReport report;
-  const Strands strands = hair::read_hair(scene.hair, read_options(scene), &report);
+/// The strands of a hair file; what was wrong with it goes to the log.
+Strands read_strands(const Scene& scene, hair::ReadReport& report) {
+  Strands strands = hair::read_hair(scene.hair, read_options(scene), &report);
   for (const hair::StrandIssue& issue : report.issues) {
     spdlog::debug("{}: strand {} {}: {}", scene.hair, issue.strand, issue.dropped ? "dropped" : "repaired",
                   issue.reason);
   }
   for (const std::string& note : report.notes) spdlog::info("{}: {}", scene.hair, note);
+  return strands;
+}
+
+Hairstyle fit_hairstyle(const Scene& scene) {
+  hair::ReadReport report;
+  const Strands strands = read_strands(scene, report);
   hair::FitSettings fit;
   fit.clusters = scene.clusters;
   hair::ClusterFit fitted = hair::fit_clusters(strands, fit);
@@ -113,7 +121,8 @@ Hairstyle cached_hairstyle(const std::filesystem::path& file, const Scene& scene
 
 Hairstyle prepare_hairstyle(const Scene& scene) {
   if (std::filesystem::path(scene.hair).extension() == ".json") return load_hairstyle(scene.hair);
-  const std::string parts = file_bytes(scene.hair) + "\n" + scene.unit + scene.up + std::to_string(scene.clusters);
+  const std::string parts =
+      file_bytes(scene.hair) + "\n" + scene.unit + scene.up + scene.curve + std::to_string(scene.clusters);
   std::optional<Hairstyle> style;
   try {
     style = cached_hairstyle(cached("fit-" + cache_key(parts) + ".json"), scene);
@@ -123,6 +132,26 @@ Hairstyle prepare_hairstyle(const Scene& scene) {
   if (!style) style = fit_hairstyle(scene);
   style->division = scene.division;
   return *style;
+}
+
+StrandHair prepare_strands(const Scene& scene) {
+  StrandHair hair;
+  hair.name = std::filesystem::path(scene.hair).stem().string();
+  if (std::filesystem::path(scene.hair).extension() == ".json") {
+    const Hairstyle style = load_hairstyle(scene.hair);
+    hair.name = style.name;
+    hair.opacity = style.opacity;
+    hair.strands = hair_strands(style, make_model(style, scene.bake, scene.bake.samples));
+    return hair;
+  }
+  hair::ReadReport report;
+  hair.strands = read_strands(scene, report);
+  hair.opacity = report.opacity.value_or(kDefaultOpacity);
+  if (hair.strands.diameters_m.empty()) hair.strands.diameter_m = hair::drawn_diameter_m(hair.strands);
+  spdlog::info("{}: {} strands, {} vertices; D {:.0f} um, opacity {:.2f}", hair.name, hair.strands.count(),
+               hair.strands.vertices.size(), 1e6 * static_cast<double>(hair::drawn_diameter_m(hair.strands)),
+               hair.opacity);
+  return hair;
 }
 
 Mesh prepare_head(const Scene& scene) {

@@ -17,6 +17,13 @@ namespace pelage::app {
 std::filesystem::path cache_folder();
 
 Hairstyle prepare_hairstyle(const Scene& scene);
+/// Hair strand by strand, with a drawn diameter: a hair file's own strands, or those of a hairstyle's clusters.
+struct StrandHair {
+  std::string name;
+  Strands strands;
+  float opacity = kDefaultOpacity;
+};
+StrandHair prepare_strands(const Scene& scene);
 Mesh prepare_head(const Scene& scene);
 /// @param bake  out: the settings that the records were baked with
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake);

@@ -74,6 +74,15 @@ Light parse_light(const std::string& text) {
   return light;
 }
 
+Light parse_point_light(const std::string& text) {
+  const auto v = numbers(text, "--point-light", 3, 4);
+  Light light;
+  light.position = {v[0], v[1], v[2]};
+  if (v.size() == 4) light.intensity = v[3];
+  if (light.intensity < 0) throw UsageError("--point-light: the intensity is negative");
+  return light;
+}
+
 glm::vec3 srgb_colour(const std::string& text) {
   unsigned rgb = 0;
   int used = 0;
@@ -96,15 +105,56 @@ T choose(const std::map<std::string, T>& known, const std::string& value, const 
   throw UsageError(option + ": '" + value + "' is not one of " + list);
 }
 
-void switch_off(SatfSettings& satf, const std::string& name) {
-  const std::map<std::string, bool SatfSettings::*> switches{{"diffuse", &SatfSettings::diffuse},
-                                                             {"primary", &SatfSettings::primary_highlight},
-                                                             {"secondary", &SatfSettings::secondary_highlight},
-                                                             {"global-shadow", &SatfSettings::global_shadow},
-                                                             {"fade-ends", &SatfSettings::fade_ends},
-                                                             {"drift", &SatfSettings::drift},
-                                                             {"curvature", &SatfSettings::curvature}};
-  satf.*choose(switches, name, "--off") = false;
+void switch_off(Scene& scene, const std::string& name) {
+  SatfSettings& satf = scene.satf;
+  StrandSettings& strands = scene.strands;
+  const std::map<std::string, std::vector<bool*>> switches{
+      {"diffuse", {&satf.diffuse, &strands.diffuse}},
+      {"primary", {&satf.primary_highlight, &strands.primary_highlight}},
+      {"secondary", {&satf.secondary_highlight, &strands.secondary_highlight}},
+      {"global-shadow", {&satf.global_shadow}},
+      {"fade-ends", {&satf.fade_ends}},
+      {"drift", {&satf.drift}},
+      {"curvature", {&satf.curvature}}};
+  for (bool* const value : choose(switches, name, "--off")) *value = false;
+}
+
+/// What only strand by strand methods have.
+void set_strand_options(const CLI::App& verb, const SceneOptions& o, Scene& scene) {
+  const auto given = [&](const char* name) { return verb.count(name) > 0; };
+  if (given("--density-map")) {
+    scene.shadow.density_map =
+        choose<DensityMapSettings>({{"corrected", DensityMapSettings{}}, {"printed", DensityMapSettings::printed()}},
+                                   o.density_map, "--density-map");
+  }
+  if (given("--shadow-resolution"))
+    scene.shadow.density_map.resolution = scene.shadow.opacity_map.resolution = o.shadow_resolution;
+  if (given("--shape")) {
+    scene.strands.shape =
+        choose<StrandShape>({{"lines", StrandShape::lines}, {"ribbons", StrandShape::ribbons}}, o.shape, "--shape");
+  }
+  if (given("--lobes")) {
+    scene.strands.lobes = choose<StrandLobes>(
+        {{"kajiya-kay", StrandLobes::kajiya_kay}, {"scheuermann", StrandLobes::scheuermann}}, o.lobes, "--lobes");
+  }
+  if (given("--shadow-at")) {
+    scene.strands.shadow_at =
+        choose<ShadowAt>({{"vertex", ShadowAt::vertex}, {"fragment", ShadowAt::fragment}}, o.shadow_at, "--shadow-at");
+  }
+  if (given("--smoothing")) scene.strands.smoothing = o.smoothing;
+  if (given("--samples")) scene.truth.samples = o.samples;
+}
+
+void set_order(const std::string& order, Scene& scene) {
+  if (scene.method == Method::satf) {
+    scene.satf.draw_order = choose<DrawOrder>(
+        {{"patches", DrawOrder::patches}, {"clusters", DrawOrder::clusters}, {"exact", DrawOrder::exact}}, order,
+        "--order");
+  } else {
+    scene.strands.order = choose<StrandOrder>(
+        {{"exact", StrandOrder::exact}, {"sorted", StrandOrder::sorted}, {"weighted", StrandOrder::weighted}}, order,
+        "--order");
+  }
 }
 
 /// A scene file is JSON with a "hair" key; a hairstyle file has a list of clusters instead.
@@ -141,11 +191,17 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
   verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");
   verb.add_option("--up", o->up, "Axis that points up in hair and head: x, y, z [y]");
+  verb.add_option("--curve", o->curve, "What a hair file's vertices are: polyline, bspline [polyline]");
   verb.add_option("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
   verb.add_option("--camera", o->camera,
                   "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
   verb.add_option("--light", o->lights,
                   "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
+  verb.add_option("--point-light", o->point_lights,
+                  "Position of a point light in metres and its irradiance at 1 m: x,y,z[,i]");
+  verb.add_option("--method", o->method,
+                  "What draws: satf; strand by strand, shadowed by density-map, deep-opacity, opacity-shadow or "
+                  "unshadowed; truth: ray-traced [satf]");
   verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")
       ->capture_default_str()
       ->check(console::finite(1e-6, 1e6));
@@ -171,7 +227,23 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--sectors", o->sectors, "Sectors of the outermost layer, 3 to 256 [24]")->check(CLI::Range(3, 256));
   verb.add_option("--plates", o->plates, "HSVs along a cluster, 2 to 512 [24]")->check(CLI::Range(2, 512));
   verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
-  verb.add_option("--order", o->order, "Drawing order: patches, clusters, exact (per pixel) [patches]");
+  verb.add_option(
+      "--order", o->order,
+      "Drawing order. satf: patches, clusters, exact (per pixel) [patches]; strands: exact, sorted, weighted [exact]");
+  verb.add_option("--density-map", o->density_map, "The density map as the paper printed it, or corrected [corrected]");
+  verb.add_option("--shadow-resolution", o->shadow_resolution,
+                  "Cells of the density map along its longest side, or pixels of an opacity map [128, 256]")
+      ->check(CLI::Range(1, 1024));
+  verb.add_option("--shape", o->shape, "Strands as camera-facing ribbons, or lines one pixel wide [ribbons]");
+  verb.add_option("--lobes", o->lobes,
+                  "Highlights of strands: scheuermann (two, shifted), kajiya-kay (one) [scheuermann]");
+  verb.add_option("--shadow-at", o->shadow_at, "Where strands look their shadow up: vertex, fragment [vertex]");
+  verb.add_option("--smoothing", o->smoothing, "Catmull-Rom pieces per segment of a strand")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 32));
+  verb.add_option("--samples", o->samples, "Rays per pixel of the truth")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 65536));
   verb.add_option("--off", o->off,
                   "Effects to leave out: diffuse, primary, secondary, global-shadow, fade-ends, drift, curvature")
       ->delimiter(',');
@@ -196,9 +268,20 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
                                                                               : material_preset(o.material);
   }
   if (given("--camera")) scene.camera = parse_camera(o.camera);
-  if (given("--light")) {
+  if (given("--curve")) scene.curve = o.curve;
+  if (given("--method")) {
+    scene.method = choose<Method>({{"satf", Method::satf},
+                                   {"density-map", Method::density_map},
+                                   {"deep-opacity", Method::deep_opacity},
+                                   {"opacity-shadow", Method::opacity_shadow},
+                                   {"unshadowed", Method::unshadowed},
+                                   {"truth", Method::truth}},
+                                  o.method, "--method");
+  }
+  if (given("--light") || given("--point-light")) {
     scene.lights.clear();
     for (const std::string& text : o.lights) scene.lights.push_back(parse_light(text));
+    for (const std::string& text : o.point_lights) scene.lights.push_back(parse_point_light(text));
   }
   if (given("--exposure")) scene.image.exposure = o.exposure;
   if (given("--background")) {
@@ -223,12 +306,9 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
         choose<SelfShadow>({{"light", SelfShadow::light}, {"paper", SelfShadow::paper}, {"none", SelfShadow::none}},
                            o.self_shadow, "--self-shadow");
   }
-  if (given("--order")) {
-    scene.satf.draw_order = choose<DrawOrder>(
-        {{"patches", DrawOrder::patches}, {"clusters", DrawOrder::clusters}, {"exact", DrawOrder::exact}}, o.order,
-        "--order");
-  }
-  for (const std::string& name : o.off) switch_off(scene.satf, name);
+  set_strand_options(verb, o, scene);
+  if (given("--order")) set_order(o.order, scene);
+  for (const std::string& name : o.off) switch_off(scene, name);
   check_hairstyle_options(verb, scene);
   if (scene.lights.size() > kMaxLights) {
     throw UsageError("the scene has " + std::to_string(scene.lights.size()) + " lights; at most " +

@@ -14,10 +14,12 @@ namespace pelage::app {
 struct SceneOptions {
   std::string input;
   std::string head, database, unit, up, material, camera, background, size, records, self_shadow, order;
-  std::vector<std::string> lights;
+  std::string curve, method, density_map, shape, lobes, shadow_at;
+  std::vector<std::string> lights, point_lights;
   std::vector<std::string> off;
   float exposure = 1.0F;
   int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
+  int shadow_resolution = 128, smoothing = 1, samples = 16;
   int layers = 0, sectors = 0, plates = 0;
 };
 
