@@ -40,8 +40,23 @@ void FibreCurves::take(const Strands& strands) {
       vertex_of.push_back(static_cast<std::uint32_t>(i - 1));
       first.push_back(static_cast<std::uint32_t>(points.size() - 2));
     }
-    if (first.size() == before) continue;
+    if (first.size() == before) {
+      if (end > begin) points.pop_back();
+      continue;
+    }
     for (; waiting < end; ++waiting) segment_of[waiting] = static_cast<std::uint32_t>(first.size() - 1);
+  }
+}
+
+void FibreCurves::note_starts() {
+  starts_.resize(first.size() / 64 + 1);
+  std::uint32_t strands = 0;
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    Starts& s = starts_[i / 64];
+    if (i % 64 == 0) s.before = strands;
+    if (i > 0 && first[i - 1] + 1 == first[i]) continue;
+    s.here |= std::uint64_t{1} << (i % 64);
+    ++strands;
   }
 }
 
@@ -64,6 +79,7 @@ void FibreCurves::widen() {
 
 FibreCurves::FibreCurves(const Strands& strands) {
   take(strands);
+  note_starts();
   widen();
 }
 

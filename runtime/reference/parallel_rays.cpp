@@ -69,7 +69,7 @@ void ParallelRays::visit_cells(std::uint32_t segment, const Visit& visit) const 
 }
 
 ParallelRays::ParallelRays(const FibreCurves& curves, const LightFrame& frame) : curves_(curves), frame_(frame) {
-  const auto segments = static_cast<std::uint32_t>(curves.first.size());
+  const std::uint32_t segments = curves.size();
   if (segments == 0) return;
   FibreBox box;
   for (std::uint32_t i = 0; i < segments; ++i) {
