@@ -71,6 +71,26 @@ TEST_F(StrandCoverage, DoesNotDependOnDistance) {
   std::printf("coverage of a comb: largest relative error %.3g\n", most);
 }
 
+TEST_F(StrandCoverage, ThinStrandsHaveNoGaps) {
+  Strands strands;
+  strands.diameter_m = 1e-4F;
+  strands.append(std::vector<glm::vec3>{{-0.06F, -0.05F, 0}, {-0.01F, 0.02F, 0}, {0.06F, 0.05F, 0}});
+  for (const StrandShape shape : {StrandShape::ribbons, StrandShape::lines}) {
+    StrandFrame frame(strands, kOpacity, {});
+    StrandFrameSettings settings = test::strands_from_the_front();
+    settings.strands.shape = shape;
+    settings.camera.eye = {0, 0, 10};
+    settings.camera.fov_deg = glm::degrees(2 * std::atan(0.07F / 10));
+    const Image image = checked(frame.render(settings, 140, 140, 1));  // a tenth of a sample wide
+    for (int x = 12; x < 128; ++x) {
+      float column = 0;
+      for (int y = 0; y < 140; ++y) column += image.pixel(x, y)[3];
+      ASSERT_GT(column, 0.9F * 0.1F * kOpacity) << x;
+      ASSERT_LT(column, 4 * 0.1F * kOpacity) << x;
+    }
+  }
+}
+
 TEST_F(StrandCoverage, OfALockIsThatOfItsFinePicture) {
   Strands strands = test::strand_lock(120);
   strands.diameter_m = kDiameter_m;
@@ -123,6 +143,25 @@ TEST_F(StrandCoverage, JointsHaveNeitherGapNorOverlap) {
       const glm::vec3 p = glm::mix(points[i], points[i + 1], s - float(i));
       const int x = int((p.x / 0.14F + 0.5F) * kSize), y = int((0.5F - p.y / 0.14F) * kSize);
       ASSERT_GT(image.pixel(x, y)[3], 0.0F) << "a gap at " << s << ", turn " << turn;
+    }
+  }
+}
+
+TEST_F(StrandCoverage, EndsAreSquareWhateverStrandsAreNext) {
+  Strands strands;
+  strands.diameter_m = 0.02F;
+  strands.append(std::vector<glm::vec3>{{-0.06F, 0.06F, 0}, {-0.06F, 0.05F, 0}});
+  strands.append(std::vector<glm::vec3>{{-0.04F, -0.02F, 0}, {0.04F, -0.02F, 0}});
+  strands.append(std::vector<glm::vec3>{{0.06F, 0.06F, 0}, {0.06F, 0.05F, 0}});
+  StrandFrame frame(strands, kOpacity, {});
+  StrandFrameSettings settings = test::strands_from_the_front();
+  settings.camera.eye = {0, 0, 10};
+  settings.camera.fov_deg = glm::degrees(2 * std::atan(0.07F / 10));
+  const Image image = checked(frame.render(settings, 140, 140, 1));  // samples of 1 mm
+  for (int y = 60; y < 140; ++y) {
+    for (int x = 0; x < 140; ++x) {
+      const bool inside = x >= 30 && x < 110 && y >= 80 && y < 100;
+      ASSERT_EQ(image.pixel(x, y)[3] > 0, inside) << x << " " << y;
     }
   }
 }

@@ -44,7 +44,7 @@ TEST_F(StrandFrames, EveryMethodShapeAndOrderDrawsTheSameTwice) {
 }
 
 TEST_F(StrandFrames, RefusesWhatIsNotDrawnHere) {
-  StrandFrame frame(strand_lock(5), 0.6F, {});
+  StrandFrame frame(strand_lock(100), 0.6F, {});
   for (const Method method : {Method::satf, Method::truth}) {
     StrandFrameSettings settings = strands_from_the_front();
     settings.method = method;
@@ -60,11 +60,11 @@ TEST_F(StrandFrames, RefusesWhatIsNotDrawnHere) {
   EXPECT_THROW(frame.render(settings, 8, 8, 1), UsageError);
   for (const float opacity : {-0.1F, 1.1F, NAN}) EXPECT_THROW(StrandFrame(strand_lock(5), opacity, {}), InputError);
   settings = strands_from_the_front();
-  settings.lights[0].position = glm::vec3(0, 1, 0);
+  const Image before = frame.render(settings, 24, 24, 1);
+  settings.lights[0].position = glm::vec3(-0.1F, 0.1F, -0.1F);
   settings.strands.shadow_at = ShadowAt::fragment;
-  EXPECT_THROW(frame.render(settings, 8, 8, 1), UsageError) << "a point light's map is no texture";
-  settings.strands.shadow_at = ShadowAt::vertex;
-  EXPECT_NO_THROW(frame.render(settings, 8, 8, 1)) << "a frame that failed does no harm";
+  EXPECT_THROW(frame.render(settings, 24, 24, 1), UsageError) << "a point light's map is no texture";
+  EXPECT_EQ(frame.render(strands_from_the_front(), 24, 24, 1).rgba, before.rgba) << "what failed leaves nothing behind";
 }
 
 TEST_F(StrandFrames, TilesGiveThePictureInOnePiece) {
@@ -314,6 +314,16 @@ TEST_F(StrandFrames, OwnColoursReplaceTheMaterials) {
   EXPECT_GT(mean(image, 2), 1e-4);
   EXPECT_EQ(mean(image, 1), 0.0);
   EXPECT_NEAR(mean(image, 0) + mean(image, 2), mean(image, 3), 1e-3 * mean(image, 3)) << "nothing else is drawn";
+  settings = strands_from_the_front();
+  settings.lights[0].direction = {0.3F, 0.1F, 1};
+  settings.strands.primary_highlight = false;  // has the light's colour
+  for (bool StrandSettings::*const other : {&StrandSettings::diffuse, &StrandSettings::secondary_highlight}) {
+    settings.strands.diffuse = settings.strands.secondary_highlight = true;
+    settings.strands.*other = false;
+    const Image one = checked(frame.render(settings, 64, 64, 1));
+    EXPECT_GT(mean(one, 0), 1e-7);
+    EXPECT_EQ(mean(one, 1), 0.0);
+  }
 }
 
 TEST_F(StrandFrames, ShadowAtFragmentsIsLikeShadowAtVertices) {
