@@ -58,7 +58,7 @@ class SatfFrame {
   Mesh head_;
   SatfModel model_;
   HairSurfaces surfaces_;
-  Strands strands_;  // for the shadow map
+  Strands strands_;                                  // for the shadow map
   std::vector<std::vector<std::uint16_t>> shadows_;  // [light][texel]
   std::vector<Texel> texels_;                        // [light][texel]
   std::vector<std::uint32_t> indices_;

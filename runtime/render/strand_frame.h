@@ -7,9 +7,17 @@
 //   order                       view, where the order needs it (sorted, weighted)
 //   draw, read                  every frame
 //
-// Orders: `exact` sorts fragments. `sorted` sorts segments by the depth of their middles: wrong where long segments
-// cross. `weighted` knows no order but depth. Errors against exact, as RMSE of linear RGB over covered pixels relative
-// to their mean, and times are in tests/render/strand_order_test.cpp, which prints them.
+// Orders, and their error against exact: RMSE of linear RGB over covered pixels, relative to their mean (grooms of
+// 6,000 to 11,400 strands without a head, 300 x 300 pixels, 4 samples each), and time to draw on a software renderer.
+//   exact      sorts fragments                                                   0             2.0-3.4 s
+//   sorted     segments by the depth of their middles; wrong where they cross    1.0-1.8 %     1.2-1.9 s
+//   weighted   knows no order but depth; where a head hides the far side         36-46 %       1.2-1.5 s
+//              the error is a few percent                                        (thin lock: 4 %)
+// tests/render/strand_order_test.cpp prints them for two locks.
+//
+// Strands that share a sample stop 1 - (1 - a)^n of the light, as if each lay anywhere in it: right on average, up to
+// 10 % too opaque where a lock of 12 mm is seen in samples of 4 mm (tests/render/strand_coverage_test.cpp). Lines cover
+// no more than one sample's width.
 #pragma once
 
 #include <memory>
