@@ -67,19 +67,21 @@ void StrandFrame::set_strands(Strands strands) {
   bounds_ = {};
   for (const glm::vec3& p : head_.vertices) bounds_.add(p);
   for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
-  last_.reset();
+  moved_ = true;
 }
 
 void StrandFrame::update(const StrandFrameSettings& frame) {
   check_settings(frame);
-  const bool moved = !last_ || last_->strands.smoothing != frame.strands.smoothing;
+  moved_ = moved_ || !last_ || last_->strands.smoothing != frame.strands.smoothing;
+  const bool moved = moved_;
   const bool reordered = moved || !same_order(*last_, frame);
-  const bool other_method = moved || last_->method != frame.method || last_->shadow != frame.shadow;
+  const bool other_method = !last_ || last_->method != frame.method || last_->shadow != frame.shadow;
   const bool elsewhere = moved || at_fragments(*last_) != at_fragments(frame);
   last_.reset();  // so that a stage that throws is run again
   if (moved) update_geometry(frame.strands.smoothing);
   if (update_shadows(frame, other_method) || elsewhere) look_up_shadows(frame);
   if (reordered) update_order(frame);
+  moved_ = false;
   last_ = frame;
 }
 
@@ -109,17 +111,22 @@ void StrandFrame::update_geometry(int pieces) {
 }
 
 /// Builds the shadows of those lights that need it. @return whether any was built, or a light is gone
-bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool all) {
+bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_method) {
   bool changed = shadows_.size() != frame.lights.size();
   shadows_.resize(frame.lights.size());
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
     LightShadow& s = shadows_[i];
-    if (!all && s.shadow && same_place(s.light, frame.lights[i])) continue;
-    s.shadow.reset();
+    if (!other_method && !moved_ && s.shadow && same_place(s.light, frame.lights[i])) continue;
+    auto shadow = std::move(s.shadow);  // gone, should building throw
     auto stage = ledger_.run("shadow map");
-    s.shadow = make_shadow(frame.method, frame.shadow, drawn(), opacity_, frame.lights[i]);
-    s.light = frame.lights[i];
-    stage.bytes(s.shadow->bytes());
+    if (shadow && !other_method) {
+      shadow->build(drawn(), opacity_, frame.lights[i]);
+    } else {
+      shadow.reset();
+      shadow = make_shadow(frame.method, frame.shadow, drawn(), opacity_, frame.lights[i]);
+    }
+    stage.bytes(shadow->bytes());
+    s = {frame.lights[i], std::move(shadow)};
     changed = true;
   }
   return changed;

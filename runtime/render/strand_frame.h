@@ -75,7 +75,7 @@ class StrandFrame {
   const Strands& drawn() const noexcept { return smoothed_ ? *smoothed_ : strands_; }
   void update(const StrandFrameSettings& frame);
   void update_geometry(int pieces);
-  bool update_shadows(const StrandFrameSettings& frame, bool all);
+  bool update_shadows(const StrandFrameSettings& frame, bool other_method);
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
   void update_order(const StrandFrameSettings& frame);
@@ -92,6 +92,7 @@ class StrandFrame {
   std::vector<LightShadow> shadows_;
   float nearest_m_ = 0;
   std::optional<StrandFrameSettings> last_;  // none: nothing is up to date
+  bool moved_ = true;                        // nothing that depends on geometry is
   StrandRenderer renderer_;
   PictureOutput output_;
 };

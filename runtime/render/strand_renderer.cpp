@@ -117,9 +117,8 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
 }
 
 void DepthMaps::clear() {
-  glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
-  textures_.clear();
-  world_to_cell_.clear();
+  for (const Map& map : maps_) glDeleteTextures(1, &map.texture);
+  maps_.clear();
 }
 
 void DepthMaps::upload(std::span<const DepthTexture> maps) {
@@ -134,8 +133,7 @@ void DepthMaps::upload(std::span<const DepthTexture> maps) {
     }
     GLuint id = 0;
     glGenTextures(1, &id);
-    textures_.push_back(id);
-    world_to_cell_.push_back(map.world_to_cell);
+    maps_.push_back({id, map.world_to_cell, map.transmittance, map.tap_cells});
     glBindTexture(GL_TEXTURE_3D, id);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -146,12 +144,14 @@ void DepthMaps::upload(std::span<const DepthTexture> maps) {
 }
 
 void DepthMaps::bind(const Program& p) const {
-  for (std::size_t i = 0; i < textures_.size(); ++i) {
+  for (std::size_t i = 0; i < maps_.size(); ++i) {
     const std::string index = "[" + std::to_string(i) + "]";
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
-    glBindTexture(GL_TEXTURE_3D, textures_[i]);
+    glBindTexture(GL_TEXTURE_3D, maps_[i].texture);
     glUniform1i(p.at(("depth_map" + index).c_str()), static_cast<GLint>(i));
-    glUniformMatrix4fv(p.at(("world_to_cell" + index).c_str()), 1, GL_FALSE, glm::value_ptr(world_to_cell_[i]));
+    glUniformMatrix4fv(p.at(("world_to_cell" + index).c_str()), 1, GL_FALSE, glm::value_ptr(maps_[i].world_to_cell));
+    glUniform1i(p.at(("map_is_transmittance" + index).c_str()), maps_[i].transmittance ? 1 : 0);
+    glUniform1f(p.at(("tap_cells" + index).c_str()), maps_[i].tap_cells);
   }
   glActiveTexture(GL_TEXTURE0);
 }

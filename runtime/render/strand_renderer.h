@@ -73,8 +73,13 @@ class DepthMaps {
   void clear();
 
  private:
-  std::vector<GLuint> textures_;
-  std::vector<glm::mat4> world_to_cell_;
+  struct Map {
+    GLuint texture;
+    glm::mat4 world_to_cell;
+    bool transmittance;
+    float tap_cells;
+  };
+  std::vector<Map> maps_;
 };
 
 }  // namespace pelage

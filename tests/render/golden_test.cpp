@@ -92,6 +92,8 @@ Image strand_picture(StrandSettings strands) {
                   {{}, glm::vec3(-0.2F, 0, 0.1F), {0.8F, 0.9F, 1}, 0.03F}};
   frame.material = golden_material();
   frame.strands = strands;
+  frame.shadow.density_map.resolution = 32;
+  frame.shadow.density_map.footprint_m = 0.002F;
   StrandFrame hair(test::strand_lock(400, 12), 0.6F, test::wall());
   Image image = hair.render(frame, 100, 140, 2);
   compose_over(image, glm::vec3(0.85F));

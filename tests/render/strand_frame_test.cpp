@@ -26,7 +26,7 @@ Light from(glm::vec3 direction) {
 
 TEST_F(StrandFrames, EveryMethodShapeAndOrderDrawsTheSameTwice) {
   StrandFrame frame(strand_lock(150), 0.6F, test::wall());
-  for (const Method method : {Method::density_map, Method::unshadowed}) {
+  for (const Method method : {Method::density_map, Method::deep_opacity, Method::opacity_shadow, Method::unshadowed}) {
     for (const StrandShape shape : kShapes) {
       for (const StrandOrder order : kOrders) {
         StrandFrameSettings settings = strands_from_the_front();
@@ -216,6 +216,9 @@ TEST_F(StrandFrames, ALaterFrameEqualsAFreshOne) {
   then([](S&, Strands& h) { h = strand_lock(70, 20); });
   then([](S& s, Strands&) { s.strands.order = StrandOrder::weighted; });
   then([](S& s, Strands&) { s.shadow.density_map.resolution = 12; });
+  then([](S& s, Strands&) { s.lights[0].position.reset(); });
+  then([](S& s, Strands&) { s.method = Method::deep_opacity; });
+  then([](S& s, Strands&) { s.shadow.opacity_map.layers = 2; });
   then([](S& s, Strands&) { s.strands.smoothing = 3; });
   then([](S&, Strands& h) { h.colours.assign(h.count(), {0.5F, 0.1F, 0.4F}); });
   then([](S& s, Strands&) { s.method = Method::unshadowed; });

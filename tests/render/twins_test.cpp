@@ -6,11 +6,11 @@
 #include <limits>
 #include <random>
 
-#include "fixture.h"
 #include "pelage/render/shader_inputs.h"
 #include "pelage/render/strand_renderer.h"
 #include "pelage/shading/light.h"
 #include "pelage/shading/lobes.h"
+#include "strands.h"
 
 namespace pelage {
 namespace {
@@ -137,24 +137,31 @@ TEST_F(Twins, GpuLightsEqualCpuLights) {
   }
 }
 
-/// Optical depth in a DepthTexture, as its comment says, in double.
-double depth_on_cpu(const DepthTexture& map, const glm::vec3& world) {
-  glm::dvec3 at = glm::dvec3(glm::dmat4(map.world_to_cell) * glm::dvec4(world, 1.0));
-  at.x = std::clamp(at.x, 0.0, double(map.size.x - 1));
+/// One read of a DepthTexture at cell coordinates, as its comment says, in double.
+double read_on_cpu(const DepthTexture& map, glm::dvec3 at) {
+  at = glm::clamp(at, glm::dvec3(0), glm::dvec3(map.size - 1));
   const glm::dvec3 low = glm::floor(at), f = at - low;
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::ivec3 step{corner & 1, corner >> 1 & 1, corner >> 2}, cell = glm::ivec3(low) + step;
+    const glm::ivec3 step{corner & 1, corner >> 1 & 1, corner >> 2};
+    const glm::ivec3 cell = glm::min(glm::ivec3(low) + step, map.size - 1);
     double weight = 1;
     for (int k = 0; k < 3; ++k) weight *= step[k] == 1 ? f[k] : 1 - f[k];
-    if (weight == 0 || glm::any(glm::lessThan(cell, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(cell, map.size)))
-      continue;
     sum += weight * double(map.depth[std::size_t((cell.x * map.size.y + cell.y) * map.size.z + cell.z)]);
   }
-  return sum;
+  return map.transmittance ? sum : std::exp(-sum);
 }
 
-TEST_F(Twins, GpuShadowLookupEqualsCpuLookup) {
+double look_up_on_cpu(const DepthTexture& map, const glm::vec3& world) {
+  const glm::dvec3 at(glm::dmat4(map.world_to_cell) * glm::dvec4(world, 1.0));
+  if (!(map.tap_cells > 0)) return read_on_cpu(map, at);
+  double sum = 0;
+  for (const double y : {-1.0, 1.0})
+    for (const double z : {-1.0, 1.0}) sum += read_on_cpu(map, at + double(map.tap_cells) * glm::dvec3(0, y, z));
+  return 0.25 * sum;
+}
+
+TEST_F(Twins, GpuLookupInATextureIsWhatTheTextureSays) {
   Random random;
   DepthTexture map;
   map.size = {7, 5, 9};
@@ -164,26 +171,68 @@ TEST_F(Twins, GpuShadowLookupEqualsCpuLookup) {
   for (int x = 0; x < 7; ++x) {
     for (int k = 0; k < 45; ++k) {
       const float before = x == 0 ? 0.0F : map.depth[std::size_t(45 * (x - 1) + k)];
-      map.depth.push_back(x == 0 ? 0.0F : before + float(random.unit()));
+      map.depth.push_back(before + 0.15F * float(random.unit()));
     }
   }
   auto in = cases(4000);
   for (std::size_t i = 0; i < in.size(); i += 5) in[i].at *= 0.3F;
   in[0].at = glm::vec4(1e30F, -1e30F, 1e30F, 0);
   in[1].at = glm::inverse(map.world_to_cell) * glm::vec4(6, 4, 8, 1);  // the last cell
-  const auto gpu = on_gpu(in, {}, {}, &map);
-  double most = 0, inside = 0;
-  for (std::size_t i = 1; i < gpu.size(); ++i) {
-    const double cpu = std::exp(-depth_on_cpu(map, glm::vec3(in[i].at)));
-    inside += cpu < 0.99;
-    most = std::max(most, std::abs(double(gpu[i].facing.w) - cpu));
+  for (const float tap : {0.0F, 0.7F}) {
+    for (const bool transmittance : {false, true}) {
+      map.tap_cells = tap;
+      map.transmittance = transmittance;
+      const auto gpu = on_gpu(in, {}, {}, &map);
+      double most = 0;
+      for (std::size_t i = 0; i < gpu.size(); ++i)
+        most = std::max(most, std::abs(double(gpu[i].facing.w) - look_up_on_cpu(map, glm::vec3(in[i].at))));
+      std::printf("lookup, taps %g: largest difference %.2g\n", double(tap), most);
+      // Cell coordinates up to 20, in float within 20 x 2 eps, times the steepest slopes: .15 per cell along the light,
+      // .9 across it in two axes.
+      EXPECT_LT(most, 40 * 2 * double(kEps));
+    }
   }
-  std::printf("lookup: largest difference %.2g, %g of %zu in shadow\n", most, inside, gpu.size());
-  EXPECT_GT(inside, 500);
-  // Cell coordinates up to 20, in float within 20 x 2 eps of the CPU's, times the steepest slope: 1 per cell along the
-  // light, 6 across it; three axes.
-  EXPECT_LT(most, 3 * 40 * 6 * double(kEps));
-  EXPECT_EQ(gpu[0].facing.w, 1.0F);
+}
+
+TEST_F(Twins, GpuShadowEqualsCpuShadow) {
+  const Strands strands = test::strand_lock(300);
+  Random random;
+  std::vector<Case> in(4000);
+  std::vector<glm::vec3> points;
+  for (Case& c : in) {
+    points.push_back(glm::vec3(0.04, 0.26, 0.04) *
+                     glm::vec3(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5));
+    c.at = glm::vec4(points.back(), 0);
+  }
+  const auto with = [](int resolution, auto change) {
+    ShadowSettings s;
+    s.density_map.resolution = resolution;
+    change(s.density_map);
+    return s;
+  };
+  using D = DensityMapSettings;
+  for (const ShadowSettings& settings :
+       {with(16, [](D&) {}), with(128, [](D&) {}), with(64, [](D& d) { d.interpolate_depth = true; }),
+        with(64, [](D& d) { d.interpolate_depth = false; }), with(64, [](D& d) { d.centred_lookup = false; }),
+        with(64, [](D& d) { d.fitted = false; })}) {
+    const auto shadow = make_shadow(Method::density_map, settings, strands, 0.6F, Light{});
+    const auto map = shadow->depth_texture();
+    ASSERT_TRUE(map);
+    std::vector<float> cpu(points.size());
+    shadow->transmittance(points, cpu);
+    const auto gpu = on_gpu(in, {}, {}, &*map);
+    double most = 0, shadowed = 0;
+    for (std::size_t i = 0; i < gpu.size(); ++i) {
+      shadowed += cpu[i] < 0.9F;
+      most = std::max(most, std::abs(double(gpu[i].facing.w) - double(cpu[i])));
+    }
+    std::printf("%d cells: largest difference %.2g, %g of %zu points in shadow\n", settings.density_map.resolution,
+                most, shadowed, points.size());
+    EXPECT_GT(shadowed, 200);
+    // The product of the affine map is up to 128 + 64 cells, in float within 4 eps of that on either side; from cell to
+    // cell the transmittance changes by less than one.
+    EXPECT_LT(most, 192 * 8 * double(kEps));
+  }
 }
 
 }  // namespace
