@@ -2,8 +2,9 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "pelage/app/prepare.h"
+#include "pelage/app/drawing.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
@@ -13,7 +14,6 @@
 #include "pelage/image/image_file.h"
 #include "pelage/image/tone.h"
 #include "pelage/render/gl_context.h"
-#include "pelage/render/satf_frame.h"
 
 namespace pelage::app {
 namespace {
@@ -24,22 +24,22 @@ struct RenderOptions {
   bool stats = false;
 };
 
-void print_stats(const SatfFrame& frame) {
+void print_stats(const Drawing& drawing) {
   if (console::common().json) {
     nlohmann::ordered_json json;
-    for (const Stage& s : frame.ledger().stages()) {
+    for (const Stage& s : drawing.ledger().stages()) {
       json["stages"].push_back({{"name", s.name}, {"ms", s.milliseconds}, {"bytes", s.bytes}, {"calls", s.calls}});
     }
-    json["searches"] = frame.source().searches();
+    json["searches"] = drawing.searches();
     console::print_json(json);
     return;
   }
   std::printf("%-12s %10s %12s %7s\n", "stage", "ms", "KiB", "calls");
-  for (const Stage& s : frame.ledger().stages()) {
+  for (const Stage& s : drawing.ledger().stages()) {
     std::printf("%-12s %10.2f %12.1f %7llu\n", s.name.c_str(), s.milliseconds, static_cast<double>(s.bytes) / 1024.0,
                 static_cast<unsigned long long>(s.calls));
   }
-  std::printf("FLANN queries: %llu\n", static_cast<unsigned long long>(frame.source().searches()));
+  if (drawing.searches() > 0) std::printf("FLANN queries: %llu\n", static_cast<unsigned long long>(drawing.searches()));
 }
 
 void render(const CLI::App& verb, const RenderOptions& options) {
@@ -49,24 +49,21 @@ void render(const CLI::App& verb, const RenderOptions& options) {
   }
   check_writable(out);
   const Scene scene = resolve_scene(verb, *options.scene);
-  const HeadlessContext context;
-  spdlog::debug("OpenGL {}", opengl_description());
-  Hairstyle style = prepare_hairstyle(scene);
-  BakeSettings bake;
-  std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
-  console::throw_if_interrupted();
-  SatfFrame frame(std::move(style), std::move(records), bake, prepare_head(scene));
+  std::optional<HeadlessContext> context;
+  if (needs_opengl(scene.method)) {
+    context.emplace();
+    spdlog::debug("OpenGL {}", opengl_description());
+  }
+  const std::unique_ptr<Drawing> drawing = make_drawing(scene);
   const ImageSettings& picture = scene.image;
   const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
-  const FrameSettings settings{scene.camera.value_or(framed_camera(frame.bounds(), aspect)), scene.lights,
-                               scene.material, scene.satf};
-  Image image = frame.render(settings, picture.width, picture.height, picture.supersampling);
+  Image image = drawing->render(scene, scene.camera.value_or(framed_camera(drawing->bounds(), aspect)));
   if (const std::size_t bad = remove_non_finite(image); bad > 0)
     spdlog::warn("{} values of the picture were not finite", bad);
   expose(image, picture.exposure);
   compose_over(image, picture.background);
   write_image(image, out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
-  if (options.stats) print_stats(frame);
+  if (options.stats) print_stats(*drawing);
   if (!console::common().json) std::printf("%s\n", out.c_str());
 }
 

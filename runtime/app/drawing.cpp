@@ -1,0 +1,128 @@
+#include "pelage/app/drawing.h"
+
+#include "pelage/app/prepare.h"
+#include "pelage/console/program.h"
+#include "pelage/console/progress.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/reference/truth_image.h"
+#include "pelage/render/satf_frame.h"
+#include "pelage/render/strand_frame.h"
+
+namespace pelage::app {
+namespace {
+
+constexpr glm::vec3 kWindowBackground{0.85F};
+
+class SatfDrawing final : public Drawing {
+ public:
+  static std::unique_ptr<Drawing> of(const Scene& scene) {
+    Hairstyle style = prepare_hairstyle(scene);
+    BakeSettings bake;
+    std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
+    console::throw_if_interrupted();
+    return std::make_unique<SatfDrawing>(std::move(style), std::move(records), bake, prepare_head(scene));
+  }
+  SatfDrawing(Hairstyle style, std::unique_ptr<RecordSource> records, const BakeSettings& bake, Mesh head)
+      : Drawing(style.name), frame_(std::move(style), std::move(records), bake, std::move(head)) {}
+
+  Image render(const Scene& scene, const Camera& camera) override {
+    const ImageSettings& p = scene.image;
+    return frame_.render(settings(scene, camera), p.width, p.height, p.supersampling);
+  }
+  void show(const Scene& scene, const Camera& camera, int width, int height) override {
+    frame_.show(settings(scene, camera), width, height, scene.image.exposure,
+                scene.image.background.value_or(kWindowBackground));
+  }
+  const Bounds& bounds() const override { return frame_.bounds(); }
+  const StageLedger& ledger() const override { return frame_.ledger(); }
+  std::uint64_t searches() const override { return frame_.source().searches(); }
+
+ private:
+  static FrameSettings settings(const Scene& scene, const Camera& camera) {
+    return {camera, scene.lights, scene.material, scene.satf};
+  }
+  SatfFrame frame_;
+};
+
+class StrandDrawing final : public Drawing {
+ public:
+  StrandDrawing(StrandHair hair, Mesh head)
+      : Drawing(hair.name), frame_(std::move(hair.strands), hair.opacity, std::move(head)) {}
+
+  Image render(const Scene& scene, const Camera& camera) override {
+    const ImageSettings& p = scene.image;
+    return frame_.render(settings(scene, camera), p.width, p.height, p.supersampling);
+  }
+  void show(const Scene& scene, const Camera& camera, int width, int height) override {
+    frame_.show(settings(scene, camera), width, height, scene.image.exposure,
+                scene.image.background.value_or(kWindowBackground));
+  }
+  const Bounds& bounds() const override { return frame_.bounds(); }
+  const StageLedger& ledger() const override { return frame_.ledger(); }
+
+ private:
+  static StrandFrameSettings settings(const Scene& scene, const Camera& camera) {
+    return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow};
+  }
+  StrandFrame frame_;
+};
+
+class TruthDrawing final : public Drawing {
+ public:
+  TruthDrawing(StrandHair hair, Mesh head)
+      : Drawing(hair.name), strands_(std::move(hair.strands)), head_(std::move(head)) {
+    auto stage = ledger_.run("hierarchy");
+    scene_.emplace(strands_, hair.opacity, head_.triangles.empty() ? nullptr : &head_);
+    for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
+    for (const glm::vec3& p : head_.vertices) bounds_.add(p);
+  }
+  Image render(const Scene& scene, const Camera& camera) override {
+    TruthRequest request;
+    request.camera = camera;
+    request.width = scene.image.width;
+    request.height = scene.image.height;
+    request.lights = scene.lights;
+    request.material = material_of(scene.material, scene.strands.lobes);
+    request.lobes = {scene.strands.diffuse, scene.strands.primary_highlight, scene.strands.secondary_highlight};
+    request.phong = scene.bake.phong;
+    request.settings = scene.truth;
+    auto stage = ledger_.run("trace");
+    console::Progress progress("tracing " + name(),
+                               static_cast<std::uint64_t>(request.width) * static_cast<std::uint64_t>(request.height),
+                               "pixels");
+    Image image(request.width, request.height);
+    image.rgba = truth_image(*scene_, strands_, request, [&](std::uint64_t done, std::uint64_t) {
+      console::throw_if_interrupted();
+      progress.update(done);
+    });
+    return image;
+  }
+  void show(const Scene&, const Camera&, int, int) override {
+    throw UsageError("--method truth takes minutes a picture and has no window: use pelage render");
+  }
+  const Bounds& bounds() const override { return bounds_; }
+  const StageLedger& ledger() const override { return ledger_; }
+
+ private:
+  Strands strands_;
+  Mesh head_;
+  StageLedger ledger_;
+  std::optional<FibreScene> scene_;
+  Bounds bounds_;
+};
+
+}  // namespace
+
+bool needs_opengl(Method method) noexcept {
+  return method != Method::truth;
+}
+
+std::unique_ptr<Drawing> make_drawing(const Scene& scene) {
+  if (scene.method == Method::satf) return SatfDrawing::of(scene);
+  StrandHair hair = prepare_strands(scene);
+  console::throw_if_interrupted();
+  if (scene.method == Method::truth) return std::make_unique<TruthDrawing>(std::move(hair), prepare_head(scene));
+  return std::make_unique<StrandDrawing>(std::move(hair), prepare_head(scene));
+}
+
+}  // namespace pelage::app

@@ -1,0 +1,40 @@
+// What a scene's method draws with, behind one interface for pictures and the window.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pelage/data_schema/scene.h"
+#include "pelage/image/image.h"
+#include "pelage/render/camera.h"
+#include "pelage/render/stages.h"
+
+namespace pelage::app {
+
+class Drawing {
+ public:
+  virtual ~Drawing() = default;
+  /// The scene's picture as seen by `camera`: linear, premultiplied, over transparent black.
+  virtual Image render(const Scene& scene, const Camera& camera) = 0;
+  /// On the window's framebuffer of this size. @throws UsageError where the method has no frames to show
+  virtual void show(const Scene& scene, const Camera& camera, int width, int height) = 0;
+  virtual const Bounds& bounds() const = 0;
+  virtual const StageLedger& ledger() const = 0;
+  /// Records that were searched for so far; 0 where there are none.
+  virtual std::uint64_t searches() const { return 0; }
+  const std::string& name() const noexcept { return name_; }
+
+ protected:
+  explicit Drawing(std::string name) : name_(std::move(name)) {}
+
+ private:
+  std::string name_;
+};
+
+/// Does the method draw with OpenGL? It needs a current context then.
+bool needs_opengl(Method method) noexcept;
+
+/// Reads the scene's hair and head and prepares what its method needs.
+std::unique_ptr<Drawing> make_drawing(const Scene& scene);
+
+}  // namespace pelage::app
