@@ -1,6 +1,5 @@
 #include "pelage/app/drawing.h"
 
-#include "pelage/app/prepare.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
@@ -117,12 +116,16 @@ bool needs_opengl(Method method) noexcept {
   return method != Method::truth;
 }
 
+std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mesh head) {
+  if (method == Method::truth) return std::make_unique<TruthDrawing>(std::move(hair), std::move(head));
+  return std::make_unique<StrandDrawing>(std::move(hair), std::move(head));
+}
+
 std::unique_ptr<Drawing> make_drawing(const Scene& scene) {
   if (scene.method == Method::satf) return SatfDrawing::of(scene);
   StrandHair hair = prepare_strands(scene);
   console::throw_if_interrupted();
-  if (scene.method == Method::truth) return std::make_unique<TruthDrawing>(std::move(hair), prepare_head(scene));
-  return std::make_unique<StrandDrawing>(std::move(hair), prepare_head(scene));
+  return make_strand_drawing(scene.method, std::move(hair), prepare_head(scene));
 }
 
 }  // namespace pelage::app

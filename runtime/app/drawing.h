@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "pelage/app/prepare.h"
 #include "pelage/data_schema/scene.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
@@ -36,5 +37,8 @@ bool needs_opengl(Method method) noexcept;
 
 /// Reads the scene's hair and head and prepares what its method needs.
 std::unique_ptr<Drawing> make_drawing(const Scene& scene);
+
+/// The same for hair that is at hand already; not for satf.
+std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mesh head);
 
 }  // namespace pelage::app

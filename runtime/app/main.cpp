@@ -12,5 +12,6 @@ int main(int argc, char** argv) {
   pelage::app::add_render(app);
   pelage::app::add_view(app);
   pelage::app::add_shadow_error(app);
+  pelage::app::add_figure(app);
   return pelage::console::run_program(app, argc, argv);
 }

@@ -251,9 +251,9 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
 }
 
 Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
-  check_input(o.input);
   const auto given = [&](const char* name) { return verb.count(name) > 0; };
   Scene scene;
+  if (given("input")) check_input(o.input);
   if (is_scene_file(o.input)) {
     scene = load_scene(o.input);
   } else {

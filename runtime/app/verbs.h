@@ -12,5 +12,6 @@ void add_cluster(CLI::App& app);
 void add_render(CLI::App& app);
 void add_view(CLI::App& app);
 void add_shadow_error(CLI::App& app);
+void add_figure(CLI::App& app);
 
 }  // namespace pelage::app

@@ -1,0 +1,218 @@
+// Figures of the papers, drawn anew in one command each, as a sheet of pictures with what was measured under each.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <functional>
+#include <map>
+
+#include "pelage/app/drawing.h"
+#include "pelage/app/scene_options.h"
+#include "pelage/app/shadow_error.h"
+#include "pelage/app/verbs.h"
+#include "pelage/console/program.h"
+#include "pelage/console/progress.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/hair/groom.h"
+#include "pelage/hair/head.h"
+#include "pelage/image/draw.h"
+#include "pelage/image/image_file.h"
+#include "pelage/image/tone.h"
+#include "pelage/render/gl_context.h"
+
+namespace pelage::app {
+namespace {
+
+constexpr draw::Colour kInk{.12F, .12F, .14F}, kPaper{.95F, .95F, .95F};
+constexpr int kText = 15, kLine = 20, kGap = 8;
+
+/// Pictures of one size in rows, two lines of text under each.
+class Sheet {
+ public:
+  Sheet(glm::ivec2 grid, glm::ivec2 picture)
+      : picture_(picture),
+        image_(grid.x * (picture.x + kGap) + kGap, grid.y * (picture.y + 2 * kLine + 2 * kGap) + kGap) {
+    draw::fill(image_, {0, 0}, {image_.width, image_.height}, kPaper);
+  }
+  void put(glm::ivec2 cell, const Image& picture, const std::string& title, const std::string& detail) {
+    const glm::ivec2 at = kGap + cell * (picture_ + glm::ivec2(kGap, 2 * kLine + 2 * kGap));
+    for (int y = 0; y < picture.height; ++y) {
+      std::copy_n(picture.pixel(0, y), 4 * picture.width, image_.pixel(at.x, at.y + y));
+    }
+    draw::text(image_, at + glm::ivec2(2, picture_.y + kLine - 2), title, kText, kInk);
+    draw::text(image_, at + glm::ivec2(2, picture_.y + 2 * kLine - 2), detail, kText - 1, kInk);
+  }
+  const Image& image() const noexcept { return image_; }
+
+ private:
+  glm::ivec2 picture_;
+  Image image_;
+};
+
+struct Subject {
+  StrandHair hair;
+  Mesh head;
+};
+
+/// The scene's hair or, where none is named, a groom of our own.
+Subject subject_of(const Scene& scene, hair::GroomStyle style, std::uint32_t strands) {
+  if (!scene.hair.empty()) return {prepare_strands(scene), prepare_head(scene)};
+  hair::GroomSettings groom;
+  groom.style = style;
+  groom.strands = strands;
+  Subject subject{{"groom", hair::groom(groom)}, hair::parametric_head(groom.head)};
+  subject.hair.strands.diameter_m = default_diameter_m(subject.hair.strands.count());
+  return subject;
+}
+
+Image picture_of(Drawing& drawing, const Scene& scene) {
+  const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
+  Image image = drawing.render(scene, scene.camera.value_or(framed_camera(drawing.bounds(), aspect)));
+  expose(image, scene.image.exposure);
+  compose_over(image, scene.image.background.value_or(glm::vec3(0.85F)));
+  console::throw_if_interrupted();
+  return image;
+}
+
+ShadowTruth truth_of(const Scene& scene, const StrandHair& hair) {
+  constexpr std::size_t kPoints = 1000;
+  console::Progress progress("tracing shadows of " + hair.name, kPoints, "points");
+  return shadow_truth(hair.strands, hair.opacity, scene.lights.front(), scene.truth, kPoints, 1,
+                      [&](std::uint64_t done, std::uint64_t) {
+                        console::throw_if_interrupted();
+                        progress.update(done);
+                      });
+}
+
+std::string measured(const ShadowResult& r) {
+  return fmt::format("RMSE {:.3f}, bias {:+.3f}, {:.1f} ms", r.error.rmse, r.error.bias, r.build_ms + r.filter_ms);
+}
+
+glm::ivec2 size_of(const Scene& scene) {
+  return {scene.image.width, scene.image.height};
+}
+
+/// [Bertails2005 Fig. 8] and more: resolutions of the density map, corrected and as printed, beside the truth.
+Image resolutions(Scene scene) {
+  const Subject s = subject_of(scene, hair::GroomStyle::curly, 10'000);
+  const ShadowTruth truth = truth_of(scene, s.hair);
+  const std::vector<int> sizes{32, 64, 128, 256};
+  Sheet sheet({static_cast<int>(sizes.size()) + 1, 2}, size_of(scene));
+  const auto drawing = make_strand_drawing(Method::density_map, s.hair, s.head);
+  for (int row = 0; row < 2; ++row) {
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      scene.method = Method::density_map;
+      scene.shadow.density_map = row == 0 ? DensityMapSettings{} : DensityMapSettings::printed();
+      scene.shadow.density_map.resolution = sizes[i];
+      const ShadowRow what{"", "", Method::density_map, scene.shadow};
+      const ShadowResult r = measure_shadow(what, s.hair.strands, s.hair.opacity, scene.lights.front(), truth, 5);
+      sheet.put({static_cast<int>(i), row}, picture_of(*drawing, scene),
+                fmt::format("{}^3 {}", sizes[i], row == 0 ? "corrected" : "as printed"), measured(r));
+    }
+  }
+  scene.method = Method::unshadowed;
+  sheet.put({static_cast<int>(sizes.size()), 1}, picture_of(*drawing, scene), "no shadow", "");
+  scene.method = Method::truth;
+  scene.truth.azimuth = false;
+  sheet.put({static_cast<int>(sizes.size()), 0}, picture_of(*make_strand_drawing(Method::truth, s.hair, s.head), scene),
+            "ray-traced truth", fmt::format("its own error {:.4f}", truth.standard_error));
+  return sheet.image();
+}
+
+/// [Bertails2005 Fig. 7]: what self-shadow does.
+Image self_shadow(Scene scene) {
+  const Subject s = subject_of(scene, hair::GroomStyle::wavy, 15'000);
+  Sheet sheet({3, 1}, size_of(scene));
+  const auto drawing = make_strand_drawing(Method::density_map, s.hair, s.head);
+  scene.method = Method::unshadowed;
+  sheet.put({0, 0}, picture_of(*drawing, scene), "no self-shadow", "");
+  scene.method = Method::density_map;
+  sheet.put({1, 0}, picture_of(*drawing, scene), "density map",
+            fmt::format("{}^3", scene.shadow.density_map.resolution));
+  scene.method = Method::truth;
+  sheet.put({2, 0}, picture_of(*make_strand_drawing(Method::truth, s.hair, s.head), scene), "ray-traced truth",
+            fmt::format("{} rays per pixel", scene.truth.samples));
+  return sheet.image();
+}
+
+/// [Bertails2005 Fig. 5]: the filter hides the grid.
+Image filter(Scene scene) {
+  const Subject s = subject_of(scene, hair::GroomStyle::straight, 15'000);
+  Sheet sheet({3, 1}, size_of(scene));
+  const auto drawing = make_strand_drawing(Method::density_map, s.hair, s.head);
+  scene.method = Method::density_map;
+  for (int i = 0; i < 3; ++i) {
+    const int resolution = scene.shadow.density_map.resolution;
+    scene.shadow.density_map = i < 2 ? DensityMapSettings::printed() : DensityMapSettings{};
+    scene.shadow.density_map.resolution = resolution;
+    scene.shadow.density_map.filter = i > 0;
+    sheet.put({i, 0}, picture_of(*drawing, scene),
+              i == 0   ? "as printed, not filtered"
+              : i == 1 ? "as printed, filtered"
+                       : "corrected",
+              fmt::format("{}^3", resolution));
+  }
+  return sheet.image();
+}
+
+/// [Almeida2014 Fig. 3.9]: Kajiya-Kay and Scheuermann on straight and curly hair.
+Image lobes(Scene scene) {
+  Sheet sheet({4, 1}, size_of(scene));
+  scene.method = Method::density_map;
+  int column = 0;
+  for (const StrandLobes lobe : {StrandLobes::kajiya_kay, StrandLobes::scheuermann}) {
+    for (const hair::GroomStyle style : {hair::GroomStyle::straight, hair::GroomStyle::curly}) {
+      const Subject s = subject_of(scene, style, 10'000);
+      scene.strands.lobes = lobe;
+      sheet.put({column++, 0}, picture_of(*make_strand_drawing(scene.method, s.hair, s.head), scene),
+                lobe == StrandLobes::kajiya_kay ? "Kajiya-Kay" : "Scheuermann",
+                !scene.hair.empty()                   ? scene.hair
+                : style == hair::GroomStyle::straight ? "straight"
+                                                      : "curly");
+      if (!scene.hair.empty()) break;
+    }
+  }
+  return sheet.image();
+}
+
+using Figure = std::function<Image(Scene)>;
+
+const std::map<std::string, Figure>& figures() {
+  static const std::map<std::string, Figure> all{
+      {"resolutions", resolutions}, {"self-shadow", self_shadow}, {"filter", filter}, {"lobes", lobes}};
+  return all;
+}
+
+void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptions& options, const std::string& out) {
+  const auto figure = figures().find(name);
+  if (figure == figures().end()) {
+    throw UsageError("there is no figure '" + name + "': filter, lobes, resolutions or self-shadow");
+  }
+  check_writable(out);
+  Scene scene = resolve_scene(verb, options);
+  if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
+  if (verb.count("--size") == 0) scene.image.width = 420, scene.image.height = 480;
+  const HeadlessContext context;
+  write_image(figure->second(scene), out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
+  if (!console::common().json) std::printf("%s\n", out.c_str());
+}
+
+}  // namespace
+
+void add_figure(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand(
+      "figure",
+      "Draw a figure of the papers anew: resolutions (Bertails 2005, Fig. 8), self-shadow (Fig. 7), filter (Fig. 5), "
+      "lobes (Almeida 2014, Fig. 3.9)");
+  auto name = std::make_shared<std::string>();
+  verb->add_option("figure", *name, "filter, lobes, resolutions or self-shadow")->required();
+  auto options = add_scene_options(*verb);
+  verb->get_option("input")->required(false)->description(
+      "Scene, hairstyle or hair file; without it a groom of 10,000 strands");
+  auto out = std::make_shared<std::string>();
+  verb->add_option("-o,--out", *out, "Picture to write: .png or .exr")->required();
+  console::add_common_options(*verb);
+  verb->callback([verb, name, options, out] { draw_figure(*verb, *name, *options, *out); });
+}
+
+}  // namespace pelage::app
