@@ -118,21 +118,42 @@ PELAGE_CLONES void deposit(const PieceBlock& block, const std::int32_t* __restri
   }
 }
 
-/// n columns of a slice: depth from the light, as float, in place of the quanta in each cell.
+/// One cell: depth from the light, in place of the quanta in it.
 /// @param halves  1: a cell counts half of itself, 0: all
-PELAGE_CLONES void accumulate_slice(std::int32_t* __restrict row, std::int32_t* __restrict total, std::size_t n,
-                                    std::int32_t halves) noexcept {
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t own = row[i];
-    const std::int32_t sum = total[i] + std::min(own, kFull - total[i]);
-    total[i] = sum;
-    row[i] = std::bit_cast<std::int32_t>(DepthGrid::kQuantum * static_cast<float>(sum - (own >> 1) * halves));
-  }
+inline float accumulated(std::int32_t own, std::int32_t& total, std::int32_t halves) noexcept {
+  const std::int32_t sum = total + std::min(own, kFull - total);
+  total = sum;
+  return DepthGrid::kQuantum * static_cast<float>(sum - (own >> 1) * halves);
 }
 
-/// Depth to transmittance.
-PELAGE_CLONES void exponentiate_slice(std::int32_t* __restrict row, std::size_t n) noexcept {
-  for (std::size_t i = 0; i < n; ++i) row[i] = std::bit_cast<std::int32_t>(exp_neg(std::bit_cast<float>(row[i])));
+PELAGE_CLONES void accumulate_slice(std::int32_t* __restrict row, std::int32_t* __restrict total, std::size_t n,
+                                    std::int32_t halves) noexcept {
+  for (std::size_t i = 0; i < n; ++i) row[i] = std::bit_cast<std::int32_t>(accumulated(row[i], total[i], halves));
+}
+
+constexpr std::size_t kRun = 16;  // cells that are looked at together
+
+/// The same with transmittance in place of depth. Most runs of a slice hold no hair: there it is what it was one slice
+/// before, and the exponential is spared.
+/// @param before   the slice nearer to the light, or null for the first
+/// @param settled  [run] 1: `before` is exp(-total) there
+PELAGE_CLONES void transmit_slice(std::int32_t* __restrict row, const std::int32_t* __restrict before,
+                                  std::int32_t* __restrict total, std::size_t n, std::int32_t halves,
+                                  std::uint8_t* __restrict settled) noexcept {
+  const std::size_t whole = n - n % kRun;
+  for (std::size_t i = 0; i < whole; i += kRun) {
+    std::int32_t any = 0;
+    for (std::size_t k = i; k < i + kRun; ++k) any |= row[k];
+    if (any == 0 && settled[i / kRun] != 0) {
+      std::memcpy(row + i, before + i, kRun * sizeof *row);
+      continue;
+    }
+    for (std::size_t k = i; k < i + kRun; ++k)
+      row[k] = std::bit_cast<std::int32_t>(exp_neg(accumulated(row[k], total[k], halves)));
+    settled[i / kRun] = any == 0 || halves == 0;
+  }
+  for (std::size_t k = whole; k < n; ++k)
+    row[k] = std::bit_cast<std::int32_t>(exp_neg(accumulated(row[k], total[k], halves)));
 }
 
 PELAGE_CLONES void merge_slice(std::int32_t* __restrict row, const std::int32_t* __restrict more,
@@ -222,13 +243,16 @@ void DepthGrid::accumulate(Values values, bool transmittance) noexcept {
   const std::size_t grain = std::max<std::size_t>(4096, slice / 8);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, slice, grain), [&](const auto& columns) {
     std::vector<std::int32_t> total(columns.size(), 0);
+    std::vector<std::uint8_t> settled(columns.size() / kRun + 1, 0);
     for (std::size_t x = 0; x < static_cast<std::size_t>(shape_.x); ++x) {
       std::int32_t* const row = copies_[0].data() + x * slice + columns.begin();
       for (std::size_t c = 1; c < copies_.size() && !copies_[c].empty(); ++c) {
         merge_slice(row, copies_[c].data() + x * slice + columns.begin(), columns.size());
       }
-      accumulate_slice(row, total.data(), columns.size(), halves);
-      if (transmittance) exponentiate_slice(row, columns.size());
+      if (transmittance)
+        transmit_slice(row, x > 0 ? row - slice : nullptr, total.data(), columns.size(), halves, settled.data());
+      else
+        accumulate_slice(row, total.data(), columns.size(), halves);
     }
     all += std::accumulate(total.begin(), total.end(), std::int64_t{0});
   });

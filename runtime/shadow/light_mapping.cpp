@@ -26,28 +26,23 @@ constexpr std::size_t kLanes = 16;
 /// Per lane: a reduction that the compiler may not reorder by itself.
 struct Extremes {
   Lanes low[3], high[3];
+  Lanes odd;  // NaN once a coordinate was not finite, else 0
 };
 
 /// Widens the extremes by whole lanes of positions.
 PELAGE_CLONES void widen(const CellBlock& b, std::size_t n, Extremes& e) noexcept {
   const float* const axes[3] = {b.x.data(), b.y.data(), b.z.data()};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Lanes low = e.low[axis], high = e.high[axis];
+    Lanes low = e.low[axis], high = e.high[axis], odd = e.odd;
     for (std::size_t i = 0; i < n; i += kLanes) {
       Lanes v;
       std::memcpy(&v, axes[axis] + i, sizeof v);
       low = v < low ? v : low;
       high = v > high ? v : high;
+      odd += v - v;
     }
-    e.low[axis] = low, e.high[axis] = high;
+    e.low[axis] = low, e.high[axis] = high, e.odd = odd;
   }
-}
-
-/// Coordinates that are not within kFarthest_m, NaN among them.
-PELAGE_CLONES int count_odd(const float* __restrict p, std::size_t n) noexcept {
-  int odd = 0;
-  for (std::size_t i = 0; i < n; ++i) odd += std::abs(p[i]) <= kFarthest_m ? 0 : 1;
-  return odd;
 }
 
 [[noreturn]] void refuse(std::span<const glm::vec3> points) {
@@ -59,7 +54,7 @@ PELAGE_CLONES int count_odd(const float* __restrict p, std::size_t n) noexcept {
                                      "transforms");
     }
   }
-  throw InputError("shadow", "the hair has a coordinate that is not finite");
+  throw InputError("shadow", "the hair has a coordinate that is not finite, or beyond 1e9 m from its first vertex");
 }
 
 /// m: rows of the scaled axes; c: centre; o: offset.
@@ -130,12 +125,11 @@ glm::mat3 light_axes(glm::vec3 to_light) {
 
 Box box_along(const glm::mat3& axes, glm::vec3 centre, std::span<const glm::vec3> points) {
   if (points.empty()) return {};
-  if (count_odd(&points[0][0], 3 * points.size()) > 0) refuse(points);
   LightMapping mapping;
   mapping.axes = axes;
   mapping.centre = centre;
   CellBlock at{};
-  Extremes e;
+  Extremes e{};
   for (int axis = 0; axis < 3; ++axis) e.low[axis] = Lanes{} + 3e38F, e.high[axis] = Lanes{} - 3e38F;
   for (std::size_t i = 0; i < points.size(); i += CellBlock::kSize) {
     std::size_t n = std::min(CellBlock::kSize, points.size() - i);
@@ -144,12 +138,16 @@ Box box_along(const glm::mat3& axes, glm::vec3 centre, std::span<const glm::vec3
     widen(at, n, e);
   }
   Box box{glm::vec3(3e38F), glm::vec3(-3e38F)};
+  bool odd = false;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) odd = odd || e.odd[lane] != 0;  // NaN is not 0
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       box.low[axis] = std::min(box.low[axis], e.low[axis][lane]);
       box.high[axis] = std::max(box.high[axis], e.high[axis][lane]);
     }
   }
+  const glm::vec3 farthest = glm::max(glm::abs(box.low), glm::abs(box.high));
+  if (odd || std::max({farthest.x, farthest.y, farthest.z}) > kFarthest_m) refuse(points);
   return box;
 }
 
