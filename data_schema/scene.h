@@ -88,6 +88,8 @@ struct Scene {
   std::string unit = "m";          // of hair and head: m, cm, mm, in
   std::string up = "y";            // of hair and head: x, y, z
   std::string curve = "polyline";  // what the hair file's vertices are: polyline, bspline
+  float diameter_um = 0;           // of a hair file's fibres; 0: the file's, or the default for their number
+  float opacity = 0;               // of a hair file's fibres, [0, 1]; 0: the file's, or kDefaultOpacity
   std::optional<Camera> camera;    // none: framed
   std::vector<Light> lights{Light{}};
   HairMaterial material;

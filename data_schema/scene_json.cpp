@@ -150,6 +150,8 @@ void fields(F&& f, Scene& s) {
   f("unit", s.unit);
   f("up", s.up);
   f("curve", s.curve);
+  f("diameter_um", s.diameter_um);
+  f("opacity", s.opacity);
   f("clusters", s.clusters);
   f("division", s.division);
   f("camera", s.camera);

@@ -66,7 +66,7 @@ struct StrandSettings {
 
 /// The ray-traced truth.
 struct TruthSettings {
-  int rays = 1024;             // per point of a measured transmittance, [1, 1000000]
+  int rays = 8192;             // per point of a measured transmittance, [1, 1000000]
   float footprint_m = 0.002F;  // r_f: radius of the disc over which its rays are spread
   int samples = 16;            // per pixel of a picture, [1, 65536]
   float stop_below = 0.0F;     // a shadow ray ends when its transmittance falls below this; 0: never

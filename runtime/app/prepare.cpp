@@ -67,20 +67,31 @@ hair::ReadOptions read_options(const Scene& scene) {
   return read;
 }
 
-/// The strands of a hair file; what was wrong with it goes to the log.
-Strands read_strands(const Scene& scene, hair::ReadReport& report) {
-  Strands strands = hair::read_hair(scene.hair, read_options(scene), &report);
+/// The strands of a hair file with the diameter that is drawn, and their opacity; what was wrong with the file goes to
+/// the log.
+StrandHair read_strands(const Scene& scene) {
+  hair::ReadReport report;
+  StrandHair hair{std::filesystem::path(scene.hair).stem().string(),
+                  hair::read_hair(scene.hair, read_options(scene), &report)};
+  Strands& strands = hair.strands;
+  hair.opacity = scene.opacity > 0 ? scene.opacity : report.opacity.value_or(kDefaultOpacity);
+  if (scene.diameter_um > 0) {
+    strands.diameters_m.clear();
+    strands.diameter_m = 1e-6F * scene.diameter_um;
+  } else if (strands.diameters_m.empty()) {
+    strands.diameter_m = hair::drawn_diameter_m(strands);
+  }
   for (const hair::StrandIssue& issue : report.issues) {
     spdlog::debug("{}: strand {} {}: {}", scene.hair, issue.strand, issue.dropped ? "dropped" : "repaired",
                   issue.reason);
   }
   for (const std::string& note : report.notes) spdlog::info("{}: {}", scene.hair, note);
-  return strands;
+  return hair;
 }
 
 Hairstyle fit_hairstyle(const Scene& scene) {
-  hair::ReadReport report;
-  const Strands strands = read_strands(scene, report);
+  const StrandHair hair = read_strands(scene);
+  const Strands& strands = hair.strands;
   hair::FitSettings fit;
   fit.clusters = scene.clusters;
   hair::ClusterFit fitted = hair::fit_clusters(strands, fit);
@@ -88,7 +99,7 @@ Hairstyle fit_hairstyle(const Scene& scene) {
   style.name = std::filesystem::path(scene.hair).stem().string();
   style.source = std::filesystem::path(scene.hair).filename().string();
   style.diameter_m = hair::drawn_diameter_m(strands);
-  style.opacity = report.opacity.value_or(kDefaultOpacity);
+  style.opacity = hair.opacity;
   style.clusters = std::move(fitted.clusters);
   spdlog::info(
       "{}: {} strands in {} clusters, {:.1f} % of their length inside, RMS {:.2f} mm; D {:.0f} um, opacity {:.2f}",
@@ -121,8 +132,8 @@ Hairstyle cached_hairstyle(const std::filesystem::path& file, const Scene& scene
 
 Hairstyle prepare_hairstyle(const Scene& scene) {
   if (std::filesystem::path(scene.hair).extension() == ".json") return load_hairstyle(scene.hair);
-  const std::string parts =
-      file_bytes(scene.hair) + "\n" + scene.unit + scene.up + scene.curve + std::to_string(scene.clusters);
+  const std::string parts = file_bytes(scene.hair) + "\n" + scene.unit + scene.up + scene.curve +
+                            fmt::format("{} {} {}", scene.clusters, scene.diameter_um, scene.opacity);
   std::optional<Hairstyle> style;
   try {
     style = cached_hairstyle(cached("fit-" + cache_key(parts) + ".json"), scene);
@@ -135,19 +146,11 @@ Hairstyle prepare_hairstyle(const Scene& scene) {
 }
 
 StrandHair prepare_strands(const Scene& scene) {
-  StrandHair hair;
-  hair.name = std::filesystem::path(scene.hair).stem().string();
   if (std::filesystem::path(scene.hair).extension() == ".json") {
     const Hairstyle style = load_hairstyle(scene.hair);
-    hair.name = style.name;
-    hair.opacity = style.opacity;
-    hair.strands = hair_strands(style, make_model(style, scene.bake, scene.bake.samples));
-    return hair;
+    return {style.name, hair_strands(style, make_model(style, scene.bake, scene.bake.samples)), style.opacity};
   }
-  hair::ReadReport report;
-  hair.strands = read_strands(scene, report);
-  hair.opacity = report.opacity.value_or(kDefaultOpacity);
-  if (hair.strands.diameters_m.empty()) hair.strands.diameter_m = hair::drawn_diameter_m(hair.strands);
+  StrandHair hair = read_strands(scene);
   spdlog::info("{}: {} strands, {} vertices; D {:.0f} um, opacity {:.2f}", hair.name, hair.strands.count(),
                hair.strands.vertices.size(), 1e6 * static_cast<double>(hair::drawn_diameter_m(hair.strands)),
                hair.opacity);

@@ -175,7 +175,7 @@ void check_input(const std::filesystem::path& file) {
 /// What a hairstyle file has decided already cannot be asked for again.
 void check_hairstyle_options(const CLI::App& verb, const Scene& scene) {
   if (std::filesystem::path(scene.hair).extension() != ".json") return;
-  for (const char* const option : {"--clusters", "--layers", "--sectors", "--plates"}) {
+  for (const char* const option : {"--clusters", "--layers", "--sectors", "--plates", "--diameter-um", "--opacity"}) {
     if (verb.count(option) == 0) continue;
     throw UsageError(std::string(option) + " is for hair files; " + scene.hair +
                      " is a hairstyle: change it there, or run `pelage cluster` with " + option);
@@ -192,6 +192,11 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");
   verb.add_option("--up", o->up, "Axis that points up in hair and head: x, y, z [y]");
   verb.add_option("--curve", o->curve, "What a hair file's vertices are: polyline, bspline [polyline]");
+  verb.add_option("--diameter-um", o->diameter_um, "Drawn diameter of a hair file's fibres [the file's, or by number]")
+      ->check(console::finite(0.1, 10'000));
+  verb.add_option("--opacity", o->opacity,
+                  "Share of a crossing ray that a fibre of a hair file stops [the file's, or 0.6]")
+      ->check(console::finite(0.001, 1));
   verb.add_option("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
   verb.add_option("--camera", o->camera,
                   "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
@@ -269,6 +274,8 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   }
   if (given("--camera")) scene.camera = parse_camera(o.camera);
   if (given("--curve")) scene.curve = o.curve;
+  if (given("--diameter-um")) scene.diameter_um = o.diameter_um;
+  if (given("--opacity")) scene.opacity = o.opacity;
   if (given("--method")) {
     scene.method = choose<Method>({{"satf", Method::satf},
                                    {"density-map", Method::density_map},
