@@ -17,10 +17,21 @@ void StageLedger::begin_frame() noexcept {
   }
 }
 
-StageLedger::Timer StageLedger::run(const std::string& name) {
+std::size_t StageLedger::stage(const std::string& name) {
   auto it = std::find_if(stages_.begin(), stages_.end(), [&](const Stage& s) { return s.name == name; });
   if (it == stages_.end()) it = stages_.insert(stages_.end(), Stage{name});
-  return {*this, static_cast<std::size_t>(it - stages_.begin())};
+  return static_cast<std::size_t>(it - stages_.begin());
+}
+
+StageLedger::Timer StageLedger::run(const std::string& name) {
+  return {*this, stage(name)};
+}
+
+void StageLedger::add(const Stage& part) {
+  Stage& whole = stages_[stage(part.name)];
+  whole.milliseconds += part.milliseconds;
+  whole.bytes += part.bytes;
+  whole.calls += part.calls;
 }
 
 std::uint64_t StageLedger::calls(const std::string& name) const noexcept {

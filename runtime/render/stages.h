@@ -37,10 +37,13 @@ class StageLedger {
   void begin_frame() noexcept;
   Timer run(const std::string& name);
   const std::vector<Stage>& stages() const noexcept { return stages_; }
+  /// What was timed elsewhere: adds time, bytes and calls to the stage of that name.
+  void add(const Stage& part);
   /// Calls of a stage so far; 0 if it never ran.
   std::uint64_t calls(const std::string& name) const noexcept;
 
  private:
+  std::size_t stage(const std::string& name);
   std::vector<Stage> stages_;
 };
 

@@ -118,14 +118,14 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
     LightShadow& s = shadows_[i];
     if (!other_method && !moved_ && s.shadow && same_place(s.light, frame.lights[i])) continue;
     auto shadow = std::move(s.shadow);  // gone, should building throw
-    auto stage = ledger_.run("shadow map");
     if (shadow && !other_method) {
       shadow->build(drawn(), opacity_, frame.lights[i]);
     } else {
       shadow.reset();
       shadow = make_shadow(frame.method, frame.shadow, drawn(), opacity_, frame.lights[i]);
     }
-    stage.bytes(shadow->bytes());
+    ledger_.add({"fill", shadow->times().fill_ms, shadow->bytes(), 1});
+    ledger_.add({"transmittance", shadow->times().transmittance_ms, shadow->bytes(), 1});
     s = {frame.lights[i], std::move(shadow)};
     changed = true;
   }
@@ -133,7 +133,7 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
 }
 
 void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
-  auto stage = ledger_.run("shadow lookup");
+  auto stage = ledger_.run("filter");
   std::vector<float> through;
   const auto at = [&](std::span<const glm::vec3> points) {
     std::vector<glm::vec4> all(points.size(), glm::vec4(1.0F));

@@ -2,8 +2,8 @@
 // methods it is compared with. Runs only the stages whose inputs changed; a camera move builds no shadow (Fig. 4
 // there):
 //   smooth, tangents, upload    geometry
-//   shadow map                  a light's place, geometry, shadow settings; each light for itself
-//   shadow lookup               a shadow map that was built
+//   fill, transmittance         a light's place, geometry, shadow settings; each light for itself
+//   filter                      a shadow that was built: read at all vertices
 //   order                       view, where the order needs it (sorted, weighted)
 //   draw, read                  every frame
 //

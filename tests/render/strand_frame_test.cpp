@@ -150,8 +150,8 @@ TEST_F(StrandFrames, OnlyWhatChangedIsComputedAgain) {
   StrandFrameSettings settings = strands_from_the_front();
   settings.lights = {Light{}, from({-1, 0.5F, 0.2F})};
   frame.render(settings, 32, 32, 1);
-  const std::vector<std::string> names{"smooth",        "tangents", "upload", "shadow map",
-                                       "shadow lookup", "order",    "draw",   "read"};
+  const std::vector<std::string> names{"smooth", "tangents", "upload", "fill", "transmittance",
+                                       "filter", "order",    "draw",   "read"};
   const auto changed = [&] {
     std::vector<std::uint64_t> before;
     for (const auto& name : names) before.push_back(frame.ledger().calls(name));
@@ -180,15 +180,15 @@ TEST_F(StrandFrames, OnlyWhatChangedIsComputedAgain) {
   settings.strands.shape = StrandShape::lines;
   EXPECT_EQ(changed(), "draw read ");
   settings.lights[1].direction.x = -0.7F;  // the other light's map stays
-  EXPECT_EQ(changed(), "shadow map shadow lookup draw read ");
+  EXPECT_EQ(changed(), "fill transmittance filter draw read ");
   settings.lights.pop_back();
-  EXPECT_EQ(changed(), "shadow lookup draw read ");
+  EXPECT_EQ(changed(), "filter draw read ");
   settings.shadow.density_map.resolution = 40;
-  EXPECT_EQ(changed(), "shadow map shadow lookup draw read ");
+  EXPECT_EQ(changed(), "fill transmittance filter draw read ");
   settings.strands.smoothing = 2;
-  EXPECT_EQ(changed(), "smooth tangents upload shadow map shadow lookup draw read ");
+  EXPECT_EQ(changed(), "smooth tangents upload fill transmittance filter draw read ");
   frame.set_strands(strand_lock(30, 24, {0.01F, 0.1F, 0}));
-  EXPECT_EQ(changed(), "smooth tangents upload shadow map shadow lookup draw read ");
+  EXPECT_EQ(changed(), "smooth tangents upload fill transmittance filter draw read ");
   for (const Stage& s : frame.ledger().stages()) {
     EXPECT_EQ(s.milliseconds > 0.0, s.name != "order") << s.name;  // order is that of another frame
   }
