@@ -192,6 +192,11 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
   Scene scene = resolve_scene(verb, options);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
   if (verb.count("--size") == 0) scene.image.width = 420, scene.image.height = 480;
+  if (scene.hair.empty()) {
+    // Light hair, lit from the side: what shadows do shows best.
+    if (verb.count("--material") == 0) scene.material = material_preset("blond");
+    if (verb.count("--light") + verb.count("--point-light") == 0) scene.lights[0].direction = {0.8F, 0.7F, 0.2F};
+  }
   const HeadlessContext context;
   write_image(figure->second(scene), out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
   if (!console::common().json) std::printf("%s\n", out.c_str());

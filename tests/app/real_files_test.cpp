@@ -50,5 +50,26 @@ TEST(RealFiles, Fur) {
   expect_plausible("fur/fur.hair", {}, 0.05, 0.8);
 }
 
+// Every real groom by every method that draws strand by strand; fur.hair as what it is meant to be.
+TEST(RealFiles, StrandByStrand) {
+  const std::vector<std::vector<std::string>> grooms{
+      {"sintel/sintel_hair_16points.tfx", "--head", kData + "sintel/sintel.obj"},
+      {"sintel_guides/sintel_guides_32points.tfx", "--unit", "cm"},
+      {"ratboy/Ratboy_mohawk.tfx"},
+      {"fur/fur.hair", "--curve", "bspline"}};
+  if (!std::filesystem::exists(kData)) GTEST_SKIP() << kData << " is not there";
+  for (const auto& groom : grooms) {
+    for (const std::string method : {"unshadowed", "density-map", "deep-opacity", "opacity-shadow", "truth"}) {
+      std::vector<std::string> input = groom;
+      input[0] = kData + input[0];
+      input.insert(input.end(), {"--method", method, "--samples", "1"});
+      const double coverage = rendered_coverage(input);
+      if (coverage < 0 && !::testing::Test::HasFailure()) GTEST_SKIP() << "no OpenGL";
+      EXPECT_GT(coverage, 0.01) << groom[0] << " by " << method;
+      EXPECT_LT(coverage, 0.9) << groom[0] << " by " << method;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pelage::test
