@@ -19,6 +19,11 @@ render "$work/bob.hair" --records own-alpha -o docs/bob-own-alpha.png
 render "$work/bob.hair" -o docs/bob-database.png
 render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
 
+# Figures of the papers: shadows strand by strand against the truth, and what shades a strand.
+for figure in resolutions self-shadow filter lobes; do
+  "$bin/pelage" figure "$figure" -o "docs/$figure.png" --progress never --log-level warn
+done
+
 # Records and coverage: a generic database against the wavy hair.
 "$bin/pelage" cluster "$work/wavy.hair" -o "$work/wavy.json" --log-level warn > /dev/null
 "$bin/pelage-bake" build -o "$work/random.hrir" --progress never > /dev/null
