@@ -19,7 +19,7 @@ namespace pelage {
 namespace {
 
 using Shape = DepthGrid::Shape;
-using Pair = std::int32_t __attribute__((vector_size(8)));  // two neighbours along z
+using Pair = std::uint32_t __attribute__((vector_size(8)));  // two neighbours along z
 
 constexpr std::int32_t kFull = std::numeric_limits<std::int32_t>::max();
 /// Most quanta of one piece: a depth of 64. Float holds it, and kFull - kMostOfPiece does not wrap.
@@ -36,15 +36,16 @@ Pair load(const std::int32_t* at) noexcept {
   return p;
 }
 
-/// Saturating, so that the sum does not depend on the order: both are >= 0.
-void add(std::int32_t* at, Pair amount) noexcept {
-  const Pair there = load(at), room = kFull - there;
-  const Pair sum = there + (amount < room ? amount : room);
-  std::memcpy(at, &sum, sizeof sum);
+/// Saturating, so that the sum does not depend on the order: both are in [0, kFull], and so is the result.
+constexpr std::int32_t saturated(std::int32_t a, std::int32_t b) noexcept {
+  const std::uint32_t sum = static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b);
+  return static_cast<std::int32_t>(std::min(sum, static_cast<std::uint32_t>(kFull)));
 }
 
-std::int32_t saturating(std::int32_t a, std::int32_t b) noexcept {
-  return a + std::min(b, kFull - a);
+void add(std::int32_t* at, Pair amount) noexcept {
+  constexpr Pair kBound{static_cast<std::uint32_t>(kFull), static_cast<std::uint32_t>(kFull)};
+  const Pair sum = load(at) + amount, held = sum < kBound ? sum : kBound;
+  std::memcpy(at, &held, sizeof held);
 }
 
 /// Index of each piece's first corner and its depth in quanta, spread over corners [x][y] of two along z each.
@@ -93,6 +94,16 @@ PELAGE_CLONES void cells_of(const CellBlock& b, Shape s, std::size_t n, std::int
   }
 }
 
+/// The four rows of two cells at a corner, long before they are needed: cells lie in L2 and L3, and a core looks ahead
+/// three pieces by itself.
+constexpr std::size_t kAhead = 8;
+inline void fetch(const std::int32_t* p, std::int32_t row, std::int32_t slice) noexcept {
+  __builtin_prefetch(p);
+  __builtin_prefetch(p + row);
+  __builtin_prefetch(p + slice);
+  __builtin_prefetch(p + slice + row);
+}
+
 /// Every kStride-th piece, round and round: neighbours along a strand share cells, and a load that overlaps a store
 /// still under way waits for it.
 constexpr std::size_t kStride = 101;
@@ -101,6 +112,7 @@ PELAGE_CLONES void deposit(const Corners& corners, std::size_t count, Shape s, s
   const std::int32_t row = s.z, slice = s.slice();
   std::size_t i = 0;
   for (std::size_t k = 0; k < CellBlock::kSize; ++k, i = (i + kStride) % CellBlock::kSize) {
+    fetch(grid + corners.first[(i + kAhead * kStride) % CellBlock::kSize], row, slice);
     if (i >= count) continue;
     std::int32_t* const p = grid + corners.first[i];
     add(p, load(&corners.weights[0][2 * i]));
@@ -113,17 +125,17 @@ PELAGE_CLONES void deposit(const Corners& corners, std::size_t count, Shape s, s
 PELAGE_CLONES void deposit(const PieceBlock& block, const std::int32_t* __restrict first,
                            std::int32_t* __restrict grid) noexcept {
   for (std::size_t i = 0; i < block.count; ++i) {
+    __builtin_prefetch(grid + first[std::min(i + 2 * kAhead, block.count - 1)], 1);
     const float depth = std::min(block.depth[i] * (1.0F / DepthGrid::kQuantum), kMostOfPiece);
-    grid[first[i]] = saturating(grid[first[i]], static_cast<std::int32_t>(depth + 0.5F));
+    grid[first[i]] = saturated(grid[first[i]], static_cast<std::int32_t>(depth + 0.5F));
   }
 }
 
 /// One cell: depth from the light, in place of the quanta in it.
 /// @param halves  1: a cell counts half of itself, 0: all
 inline float accumulated(std::int32_t own, std::int32_t& total, std::int32_t halves) noexcept {
-  const std::int32_t sum = total + std::min(own, kFull - total);
-  total = sum;
-  return DepthGrid::kQuantum * static_cast<float>(sum - (own >> 1) * halves);
+  total = saturated(total, own);
+  return DepthGrid::kQuantum * static_cast<float>(total - (own >> 1) * halves);
 }
 
 PELAGE_CLONES void accumulate_slice(std::int32_t* __restrict row, std::int32_t* __restrict total, std::size_t n,
@@ -158,7 +170,7 @@ PELAGE_CLONES void transmit_slice(std::int32_t* __restrict row, const std::int32
 
 PELAGE_CLONES void merge_slice(std::int32_t* __restrict row, const std::int32_t* __restrict more,
                                std::size_t n) noexcept {
-  for (std::size_t i = 0; i < n; ++i) row[i] += std::min(more[i], kFull - row[i]);
+  for (std::size_t i = 0; i < n; ++i) row[i] = saturated(row[i], more[i]);
 }
 
 /// First corner and weights of points.
@@ -198,6 +210,7 @@ PELAGE_CLONES void trilinear(const std::int32_t* __restrict grid, Shape s, const
                              float* __restrict out) noexcept {
   const std::int32_t slice = s.slice();
   for (std::size_t i = 0; i < n; ++i) {
+    fetch(grid + at.first[std::min(i + 2 * kAhead, n - 1)], s.z, slice);
     const std::int32_t* const p = grid + at.first[i];
     const Four near = load_two(p, p + s.z), far = load_two(p + slice, p + slice + s.z);
     const Four v = near + at.fx[i] * (far - near);  // (y0 z0, y0 z1, y1 z0, y1 z1)

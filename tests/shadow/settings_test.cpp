@@ -150,7 +150,7 @@ TEST(AnchoredDensityMap, DoesNotShimmer) {
     const DensityMap other(settings, moved, 0.5F, light);
     const std::vector<float> after = read(other, moved.vertices);
     const float tolerance = 1e-5F + 1e-7F * static_cast<float>(std::abs(k));
-    for (std::size_t i = 0; i < after.size(); ++i) ASSERT_NEAR(after[i], before[i], 8 * tolerance) << k;
+    for (std::size_t i = 0; i < after.size(); ++i) ASSERT_NEAR(after[i], before[i], tolerance) << k;
   }
 }
 
