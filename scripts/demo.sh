@@ -27,4 +27,7 @@ for i in 0 1 2; do
   "$bin/pelage" render "$out/${styles[i]}.hair" --head "$out/head.obj" --material "${materials[i]}" --plates "${plates[i]}" \
     --size 960x720 -o "$out/${styles[i]}.png"
 done
-echo "Pictures: $out/wavy.png $out/bob.png $out/curly.png $out/ponytail.png"
+# The same hair strand by strand, shadowed by a density map, and the ray-traced truth.
+"$bin/pelage" render "$out/wavy.hair" --head "$out/head.obj" --method density-map --size 960x720 -o "$out/wavy-strands.png"
+"$bin/pelage" render "$out/wavy.hair" --head "$out/head.obj" --method truth --size 960x720 -o "$out/wavy-truth.png"
+echo "Pictures: $out/wavy.png $out/bob.png $out/curly.png $out/ponytail.png $out/wavy-strands.png $out/wavy-truth.png"

@@ -1,5 +1,5 @@
 // Private to this box: well-spread random numbers that depend on nothing but their index. Elements 0 .. n-1 of the
-// (0,2)-sequence of van der Corput and Sobol, shifted by random digits (xor) [Kollig and Keller 2002]: each point is
+// (0,2)-sequence of van der Corput and Sobol, shifted by random digits (xor) [KolligKeller2002]: each point is
 // uniform in the unit square, so means are unbiased for any n, and two sequences with different digits are independent.
 // The same bits on every CPU and for any number of threads.
 #pragma once
