@@ -103,16 +103,39 @@ bool inside(glm::vec3 p, glm::ivec3 cells) noexcept {
          p.y <= static_cast<float>(cells.y) - 0.5F && p.z <= static_cast<float>(cells.z) - 0.5F;
 }
 
+/// Cuts the segment a b down to where `inside` (linear along it) is not negative. @return whether anything is left
+bool clip(glm::vec3& a, glm::vec3& b, float inside_a, float inside_b) noexcept {
+  if (inside_a < 0 && inside_b < 0) return false;
+  const float at = inside_a / (inside_a - inside_b);  // where it is 0; used only where the signs differ
+  if (inside_a < 0)
+    a = a + at * (b - a);
+  else if (inside_b < 0)
+    b = a + at * (b - a);
+  return true;
+}
+
+/// To the frustum of a grid, where slopes are bounded and so is the number of pieces.
+bool clip_to_frustum(glm::vec3& a, glm::vec3& b, const LightMapping& m, glm::ivec3 cells) noexcept {
+  constexpr float kNear_m = 1e-5F;
+  if (!clip(a, b, a.x - kNear_m, b.x - kNear_m)) return false;
+  for (int axis = 1; axis < 3; ++axis) {
+    const float low = (0.5F - m.offset[axis]) / m.cells_per_unit[axis];
+    const float high = (static_cast<float>(cells[axis]) - 0.5F - m.offset[axis]) / m.cells_per_unit[axis];
+    if (!clip(a, b, a[axis] - low * a.x, b[axis] - low * b.x)) return false;
+    if (!clip(a, b, high * a.x - a[axis], high * b.x - b[axis])) return false;
+  }
+  return true;
+}
+
 /// A segment in the frustum of a point light; a, b in metres along its axes. The area that a piece blocks lies across
 /// the ray r, where a cell of slopes du dv at distance x along the axis has the area x^3 du dv / |r|.
 void radial_segment(glm::vec3 a, glm::vec3 b, float width_m, const LightMapping& m, const Cutting& cutting,
                     Emitter& emit) {
-  constexpr float kNear_m = 1e-5F;
+  if (!clip_to_frustum(a, b, m, cutting.cells)) return;
   if (a.x < b.x) std::swap(a, b);  // a is the farther one
-  if (a.x <= kNear_m) return;
-  if (b.x < kNear_m) b = a + (a.x - kNear_m) / (a.x - b.x) * (b - a);
   const glm::vec3 d = b - a;
-  const float slope = std::max({std::abs(b.y), std::abs(b.z), std::abs(a.y), std::abs(a.z)}) / b.x;
+  const float slope =
+      std::max(std::max(std::abs(b.y), std::abs(b.z)) / b.x, std::max(std::abs(a.y), std::abs(a.z)) / a.x);
   const float turn = (std::max(std::abs(d.y), std::abs(d.z)) + slope * std::abs(d.x)) / b.x;
   const float cells = std::max(std::abs(d.x) * m.cells_per_unit.x, turn * m.cells_per_unit.y);
   const int n = cutting.split ? 1 + static_cast<int>(std::min(2.0F * cells, kMostPieces - 1)) : 1;
