@@ -192,6 +192,7 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
   Scene scene = resolve_scene(verb, options);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
   if (verb.count("--size") == 0) scene.image.width = 420, scene.image.height = 480;
+  if (verb.count("--samples") == 0) scene.truth.samples = 36;
   if (scene.hair.empty()) {
     // Light hair, lit from the side: what shadows do shows best.
     if (verb.count("--material") == 0) scene.material = material_preset("blond");
