@@ -138,7 +138,7 @@ void DepthMaps::upload(std::span<const DepthTexture> maps) {
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTexStorage3D(GL_TEXTURE_3D, 1, GL_R32F, map.size.z, map.size.y, map.size.x);
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, map.size.z, map.size.y, map.size.x, GL_RED, GL_FLOAT, map.depth.data());
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, map.size.z, map.size.y, map.size.x, GL_RED, GL_FLOAT, map.values.data());
   }
   check_opengl("uploading density maps");
 }

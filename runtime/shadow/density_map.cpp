@@ -347,7 +347,7 @@ std::optional<DepthTexture> DensityMap::depth_texture() const {
   texture.size = face.grid.cells();
   for (int x = 0; x < texture.size.x; ++x) {
     for (int y = 0; y < texture.size.y; ++y) {
-      for (int z = 0; z < texture.size.z; ++z) texture.depth.push_back(face.grid.value(x, y, z));
+      for (int z = 0; z < texture.size.z; ++z) texture.values.push_back(face.grid.value(x, y, z));
     }
   }
   // Rows of the affine map: cells = axes (p - centre) * scale + offset, less where values sit in their cells.

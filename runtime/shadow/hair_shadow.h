@@ -20,7 +20,7 @@ namespace pelage {
 /// A map as a 3D texture: values at whole cell coordinates, trilinear between them. For lookups on the GPU.
 struct DepthTexture {
   glm::ivec3 size{0};          // along the light, across, across
-  std::vector<float> depth;    // [x][y][z] optical depth >= 0, or transmittance. What lies outside has the value at the
+  std::vector<float> values;   // [x][y][z] optical depth >= 0, or transmittance. What lies outside has the value at the
                                // border: coordinates are clamped to [0, size - 1]
   glm::mat4 world_to_cell{1};  // affine
   bool transmittance = false;  // values are exp(-depth) already, and are what is interpolated

@@ -147,7 +147,7 @@ double read_on_cpu(const DepthTexture& map, glm::dvec3 at) {
     const glm::ivec3 cell = glm::min(glm::ivec3(low) + step, map.size - 1);
     double weight = 1;
     for (int k = 0; k < 3; ++k) weight *= step[k] == 1 ? f[k] : 1 - f[k];
-    sum += weight * double(map.depth[std::size_t((cell.x * map.size.y + cell.y) * map.size.z + cell.z)]);
+    sum += weight * double(map.values[std::size_t((cell.x * map.size.y + cell.y) * map.size.z + cell.z)]);
   }
   return map.transmittance ? sum : std::exp(-sum);
 }
@@ -170,8 +170,8 @@ TEST_F(Twins, GpuLookupInATextureIsWhatTheTextureSays) {
       glm::scale(glm::rotate(glm::translate(glm::mat4(1), {3, 2, 4}), 0.7F, {0.3F, 1, 0.2F}), glm::vec3(1 / 0.03F));
   for (int x = 0; x < 7; ++x) {
     for (int k = 0; k < 45; ++k) {
-      const float before = x == 0 ? 0.0F : map.depth[std::size_t(45 * (x - 1) + k)];
-      map.depth.push_back(before + 0.15F * float(random.unit()));
+      const float before = x == 0 ? 0.0F : map.values[std::size_t(45 * (x - 1) + k)];
+      map.values.push_back(before + 0.15F * float(random.unit()));
     }
   }
   auto in = cases(4000);

@@ -59,7 +59,7 @@ inline float read_texture(const DepthTexture& t, glm::vec3 p) {
       const glm::ivec3 c{corner >> 2, (corner >> 1) & 1, corner & 1};
       const float w = (c.x ? f.x : 1 - f.x) * (c.y ? f.y : 1 - f.y) * (c.z ? f.z : 1 - f.z);
       const glm::ivec3 cell = base + c;
-      value += w * t.depth[static_cast<std::size_t>((cell.x * t.size.y + cell.y) * t.size.z + cell.z)];
+      value += w * t.values[static_cast<std::size_t>((cell.x * t.size.y + cell.y) * t.size.z + cell.z)];
     }
     sum += 0.25F * (t.transmittance ? value : std::exp(-value));
   }
