@@ -12,59 +12,52 @@ namespace {
 
 constexpr glm::vec3 kWindowBackground{0.85F};
 
-class SatfDrawing final : public Drawing {
+FrameSettings settings_of(const SatfFrame&, const Scene& scene, const Camera& camera) {
+  return {camera, scene.lights, scene.material, scene.satf};
+}
+
+StrandFrameSettings settings_of(const StrandFrame&, const Scene& scene, const Camera& camera) {
+  return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow};
+}
+
+/// One of the two that draw frames with OpenGL.
+template <class Frame>
+class FrameDrawing final : public Drawing {
  public:
-  static std::unique_ptr<Drawing> of(const Scene& scene) {
-    Hairstyle style = prepare_hairstyle(scene);
-    BakeSettings bake;
-    std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
-    console::throw_if_interrupted();
-    return std::make_unique<SatfDrawing>(std::move(style), std::move(records), bake, prepare_head(scene));
-  }
-  SatfDrawing(Hairstyle style, std::unique_ptr<RecordSource> records, const BakeSettings& bake, Mesh head)
-      : Drawing(style.name), frame_(std::move(style), std::move(records), bake, std::move(head)) {}
+  template <class... Parts>
+  explicit FrameDrawing(std::string name, Parts&&... parts)
+      : Drawing(std::move(name)), frame_(std::forward<Parts>(parts)...) {}
 
   Image render(const Scene& scene, const Camera& camera) override {
     const ImageSettings& p = scene.image;
-    return frame_.render(settings(scene, camera), p.width, p.height, p.supersampling);
+    return frame_.render(settings_of(frame_, scene, camera), p.width, p.height, p.supersampling);
   }
   void show(const Scene& scene, const Camera& camera, int width, int height) override {
-    frame_.show(settings(scene, camera), width, height, scene.image.exposure,
+    frame_.show(settings_of(frame_, scene, camera), width, height, scene.image.exposure,
                 scene.image.background.value_or(kWindowBackground));
   }
   const Bounds& bounds() const override { return frame_.bounds(); }
   const StageLedger& ledger() const override { return frame_.ledger(); }
-  std::uint64_t searches() const override { return frame_.source().searches(); }
+  std::uint64_t searches() const override {
+    if constexpr (requires { frame_.source(); })
+      return frame_.source().searches();
+    else
+      return 0;
+  }
 
  private:
-  static FrameSettings settings(const Scene& scene, const Camera& camera) {
-    return {camera, scene.lights, scene.material, scene.satf};
-  }
-  SatfFrame frame_;
+  Frame frame_;
 };
 
-class StrandDrawing final : public Drawing {
- public:
-  StrandDrawing(StrandHair hair, Mesh head)
-      : Drawing(hair.name), frame_(std::move(hair.strands), hair.opacity, std::move(head)) {}
-
-  Image render(const Scene& scene, const Camera& camera) override {
-    const ImageSettings& p = scene.image;
-    return frame_.render(settings(scene, camera), p.width, p.height, p.supersampling);
-  }
-  void show(const Scene& scene, const Camera& camera, int width, int height) override {
-    frame_.show(settings(scene, camera), width, height, scene.image.exposure,
-                scene.image.background.value_or(kWindowBackground));
-  }
-  const Bounds& bounds() const override { return frame_.bounds(); }
-  const StageLedger& ledger() const override { return frame_.ledger(); }
-
- private:
-  static StrandFrameSettings settings(const Scene& scene, const Camera& camera) {
-    return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow};
-  }
-  StrandFrame frame_;
-};
+std::unique_ptr<Drawing> satf_drawing(const Scene& scene) {
+  Hairstyle style = prepare_hairstyle(scene);
+  BakeSettings bake;
+  std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
+  console::throw_if_interrupted();
+  std::string name = style.name;
+  return std::make_unique<FrameDrawing<SatfFrame>>(std::move(name), std::move(style), std::move(records), bake,
+                                                   prepare_head(scene));
+}
 
 class TruthDrawing final : public Drawing {
  public:
@@ -96,9 +89,7 @@ class TruthDrawing final : public Drawing {
     });
     return image;
   }
-  void show(const Scene&, const Camera&, int, int) override {
-    throw UsageError("--method truth takes minutes a picture and has no window: use pelage render");
-  }
+  void show(const Scene&, const Camera&, int, int) override { throw UsageError("the truth has no frames to show"); }
   const Bounds& bounds() const override { return bounds_; }
   const StageLedger& ledger() const override { return ledger_; }
 
@@ -118,11 +109,12 @@ bool needs_opengl(Method method) noexcept {
 
 std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mesh head) {
   if (method == Method::truth) return std::make_unique<TruthDrawing>(std::move(hair), std::move(head));
-  return std::make_unique<StrandDrawing>(std::move(hair), std::move(head));
+  return std::make_unique<FrameDrawing<StrandFrame>>(std::move(hair.name), std::move(hair.strands), hair.opacity,
+                                                     std::move(head));
 }
 
 std::unique_ptr<Drawing> make_drawing(const Scene& scene) {
-  if (scene.method == Method::satf) return SatfDrawing::of(scene);
+  if (scene.method == Method::satf) return satf_drawing(scene);
   StrandHair hair = prepare_strands(scene);
   console::throw_if_interrupted();
   return make_strand_drawing(scene.method, std::move(hair), prepare_head(scene));

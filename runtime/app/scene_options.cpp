@@ -63,23 +63,18 @@ Camera parse_camera(const std::string& text) {
   return camera;
 }
 
-Light parse_light(const std::string& text) {
-  const auto v = numbers(text, "--light", 3, 4);
+/// "x,y,z[,intensity]": a direction for --light, a place for --point-light.
+Light parse_light(const std::string& text, const std::string& option) {
+  const auto v = numbers(text, option, 3, 4);
   Light light;
-  light.direction = {v[0], v[1], v[2]};
+  if (option == "--point-light")
+    light.position = {v[0], v[1], v[2]};
+  else
+    light.direction = {v[0], v[1], v[2]};
   if (v.size() == 4) light.intensity = v[3];
   if (light.direction == glm::vec3(0.0F))
     throw UsageError("--light: the direction is zero; give one towards the light, e.g. 0.4,0.7,0.6");
-  if (light.intensity < 0) throw UsageError("--light: the intensity is negative");
-  return light;
-}
-
-Light parse_point_light(const std::string& text) {
-  const auto v = numbers(text, "--point-light", 3, 4);
-  Light light;
-  light.position = {v[0], v[1], v[2]};
-  if (v.size() == 4) light.intensity = v[3];
-  if (light.intensity < 0) throw UsageError("--point-light: the intensity is negative");
+  if (light.intensity < 0) throw UsageError(option + ": the intensity is negative");
   return light;
 }
 
@@ -287,8 +282,8 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   }
   if (given("--light") || given("--point-light")) {
     scene.lights.clear();
-    for (const std::string& text : o.lights) scene.lights.push_back(parse_light(text));
-    for (const std::string& text : o.point_lights) scene.lights.push_back(parse_point_light(text));
+    for (const std::string& text : o.lights) scene.lights.push_back(parse_light(text, "--light"));
+    for (const std::string& text : o.point_lights) scene.lights.push_back(parse_light(text, "--point-light"));
   }
   if (given("--exposure")) scene.image.exposure = o.exposure;
   if (given("--background")) {
