@@ -20,10 +20,14 @@ TEST(View, WithoutADisplayExitsFiveWithAHint) {
   EXPECT_THAT(result.err, AllOf(HasSubstr("no display"), HasSubstr("pelage render"), HasSubstr("xvfb-run")));
 }
 
-TEST(View, DrawsFramesAndCloses) {
+class ViewBy : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Methods, ViewBy, ::testing::Values("satf", "density-map"));
+
+TEST_P(ViewBy, DrawsFramesAndCloses) {
   if (std::system("command -v xvfb-run > /dev/null 2>&1") != 0) GTEST_SKIP() << "no xvfb-run";
   const TemporaryFolder folder;
   std::vector<std::string> arguments = view("3");
+  arguments.insert(arguments.end(), {"--method", GetParam()});
   arguments.insert(arguments.begin(), {"-a", "-s", "-screen 0 640x480x24", PELAGE_PROGRAM});
   const Result result = Child(folder, arguments, {}, "xvfb-run").wait();
   EXPECT_EQ(result.code, 0) << result.err;
