@@ -9,7 +9,9 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <string>
 
+#include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/numeric.h"
 
 // Plain loops; the same arithmetic on every CPU (no contraction), so the same bits.
@@ -22,6 +24,8 @@ using Shape = DepthGrid::Shape;
 using Pair = std::uint32_t __attribute__((vector_size(8)));  // two neighbours along z
 
 constexpr std::int32_t kFull = std::numeric_limits<std::int32_t>::max();
+/// Cells are counted in 32 bits.
+constexpr std::size_t kMostCells = std::numeric_limits<std::int32_t>::max();
 /// Most quanta of one piece: a depth of 64. Float holds it, and kFull - kMostOfPiece does not wrap.
 constexpr float kMostOfPiece = 1 << 30;
 
@@ -227,7 +231,14 @@ void pad(PieceBlock& block) noexcept {
 }  // namespace
 
 void DepthGrid::reset(glm::ivec3 cells, std::size_t copies) {
-  shape_ = {std::max(cells.x, 2), std::max(cells.y, 2), std::max(cells.z, 2)};
+  const Shape shape{std::max(cells.x, 2), std::max(cells.y, 2), std::max(cells.z, 2)};
+  if (shape.size() > kMostCells) {
+    throw InputError("shadow", "the map has " + std::to_string(shape.x) + " x " + std::to_string(shape.y) + " x " +
+                                   std::to_string(shape.z) +
+                                   " cells, at most 2^31 - 1 are held: choose a lower "
+                                   "resolution or fewer slices");
+  }
+  shape_ = shape;
   copies_.resize(std::max(copies, copies_.size()));
   tbb::parallel_for(std::size_t{0}, std::max<std::size_t>(copies, 1),
                     [&](std::size_t i) { copies_[i].assign(size(), 0); });

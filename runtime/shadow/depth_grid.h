@@ -37,6 +37,7 @@ class DepthGrid {
   static constexpr float kQuantum = 1.0F / (1 << 24);  // of optical depth
 
   /// Empty, of at least 2 cells a side. Keeps its memory when it shrinks. @param copies  grids that threads fill
+  /// @throws InputError beyond 2^31 - 1 cells
   void reset(glm::ivec3 cells, std::size_t copies);
 
   /// Positions are held inside the grid. `copy` is the caller's own: no two threads share one.

@@ -48,6 +48,10 @@ TEST_P(EveryMethod, SlabObeysBeerLambert) {
   for (int i = 0; i < 1000; ++i)
     sum += double(at(*shadow, glm::vec3(0.04F * uniform(random), 0.01F, 0.04F * uniform(random))));
   EXPECT_NEAR(-std::log(sum / 1000), depth / 2, 0.05 * depth);
+  for (int i = 0; i < 100; ++i) {
+    const glm::vec3 before{0.04F * uniform(random), 0.021F, 0.04F * uniform(random)};
+    EXPECT_EQ(at(*shadow, before), 1.0F);
+  }
 }
 
 TEST_P(EveryMethod, LightNeverComesBack) {
@@ -112,6 +116,18 @@ TEST_P(EveryMethod, SaysWhatItRefuses) {
   EXPECT_THAT(why(good, NAN, light), HasSubstr("opacity"));
   EXPECT_THAT(why(good, 1.5F, light), HasSubstr("opacity"));
   EXPECT_THAT(why(good, 0.5F, light_from({0, 0, 0})), HasSubstr("direction"));
+}
+
+TEST(OpacityShadowMap, RefusesMoreCellsThanItCanCount) {
+  ShadowSettings settings;
+  settings.opacity_map.resolution = 4096;
+  settings.opacity_map.slices = 1024;
+  try {
+    make_shadow(Method::opacity_shadow, settings, clumped_hair(100), 0.5F, light_from({0, 1, 0}));
+    FAIL() << "17 thousand million cells";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("choose a lower resolution or fewer slices"));
+  }
 }
 
 }  // namespace
