@@ -1,6 +1,7 @@
 #include "pelage/shadow/density_map.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -194,7 +195,7 @@ void DensityMap::slice_by_content(const Strands& strands, Face& face, glm::ivec3
   for (std::size_t i = 0; i <= kSteps; ++i) {
     const double x = static_cast<double>(i) / static_cast<double>(map.steps_per_cell);
     const double even = (x - kMargin) / inner;
-    const bool margin = even <= 0 || even >= 1 || all == 0;  // keeps its own slices
+    const bool margin = !(even > 0 && even < 1) || all == 0;  // keeps its own slices
     map.at.push_back(static_cast<float>(margin ? x : kMargin + 0.5 * inner * (even + before / all)));
     if (i < kSteps) before += content[i];
   }
@@ -205,7 +206,9 @@ void DensityMap::fill(const Strands& strands, float opacity, Face& face) {
   const std::size_t vertices = strands.vertices.size();
   const glm::ivec3 cells = cells_[static_cast<std::size_t>(&face - faces_.data())];
   // Threads fill copies, which are added up later: more than there is work for would cost more than they save.
-  const std::size_t threads = std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), kMostCopies);
+  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const std::size_t threads =
+      std::min({static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), allowed, kMostCopies});
   const std::size_t copies = std::clamp<std::size_t>(vertices / 4096, 1, threads);
   face.grid.reset(cells, copies);
   Cutting cutting{settings_.area, settings_.split, opacity, 0, settings_.factor, {}};

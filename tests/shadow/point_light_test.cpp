@@ -75,6 +75,28 @@ TEST(PointLight, InsideTheHairSeesAllAround) {
   }
 }
 
+TEST(PointLight, CountsVerticesAllAround) {
+  // As printed: two vertices a fibre, at a mean sine of pi / 4 for what is tangential here.
+  constexpr int kCount = 40'000;
+  constexpr double kRadius = 0.1;
+  const Strands hair = shell(kCount, static_cast<float>(kRadius));
+  DensityMapSettings settings = DensityMapSettings::printed();
+  settings.resolution = 8;
+  const DensityMap map(settings, hair, 0.5F, light_at(glm::vec3(0)));
+  const double depth = 0.785 * kCount * 0.5 * 1e-4 * 0.01 / (4 * 3.14159265 * kRadius * kRadius);
+  double sum = 0;
+  for (const float x : {-1.0F, 1.0F}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::vec3 d(0.05F);
+      d[axis] = x;
+      EXPECT_GT(map.transmittance(0.05F * d), 0.97F) << "before the shell";
+      sum += double(map.optical_depth(0.15F * d)) / 6;
+    }
+  }
+  // Where faces look straight at the shell their cells are the paper's; 250 vertices in each.
+  EXPECT_NEAR(sum, depth, 0.15 * depth);
+}
+
 TEST(PointLight, ShadowIsContinuousFromFaceToFace) {
   const Strands hair = shell(40'000, 0.1F);
   DensityMapSettings settings;
