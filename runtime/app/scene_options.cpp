@@ -1,8 +1,10 @@
 #include "pelage/app/scene_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/common.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,6 +15,8 @@
 
 namespace pelage::app {
 namespace {
+
+constexpr float kMost = 1e6F;  // of a number of a light or camera; as in schemas/scene.schema.json
 
 std::vector<float> numbers(const std::string& text, const std::string& option, std::size_t fewest, std::size_t most) {
   std::vector<float> values;
@@ -27,6 +31,9 @@ std::vector<float> numbers(const std::string& text, const std::string& option, s
     }
     if (used == 0 || used != part.size() || !std::isfinite(value)) {
       throw UsageError(option + ": '" + part + "' in '" + text + "' is not a finite number");
+    }
+    if (std::abs(value) > kMost) {
+      throw UsageError(option + ": '" + part + "' in '" + text + "' is beyond 1000000, the most that a scene holds");
     }
     values.push_back(value);
   }
@@ -76,6 +83,13 @@ Light parse_light(const std::string& text, const std::string& option) {
     throw UsageError("--light: the direction is zero; give one towards the light, e.g. 0.4,0.7,0.6");
   if (light.intensity < 0) throw UsageError(option + ": the intensity is negative");
   return light;
+}
+
+/// A direction of any length, of a length whose square is a float.
+void lengthen(Light& light) {
+  const glm::vec3 size = glm::abs(light.direction);
+  const float longest = std::max({size.x, size.y, size.z});
+  if (longest > 0 && longest < 1e-9F) light.direction /= longest;
 }
 
 glm::vec3 srgb_colour(const std::string& text) {
@@ -312,6 +326,7 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--order")) set_order(o.order, scene);
   for (const std::string& name : o.off) switch_off(scene, name);
   check_hairstyle_options(verb, scene);
+  for (Light& light : scene.lights) lengthen(light);
   if (scene.lights.size() > kMaxLights) {
     throw UsageError("the scene has " + std::to_string(scene.lights.size()) + " lights; at most " +
                      std::to_string(kMaxLights) + " are drawn");

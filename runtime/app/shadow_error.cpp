@@ -6,6 +6,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "pelage/console/program.h"
+
 namespace pelage::app {
 namespace {
 
@@ -113,6 +115,7 @@ ShadowResult measure_shadow(const ShadowRow& row, const Strands& strands, float 
   std::vector<float> all(strands.vertices.size());
   std::vector<double> build, fill, transmit, filter, sum;
   for (int i = 0; i < repeats; ++i) {
+    console::throw_if_interrupted();
     auto start = std::chrono::steady_clock::now();
     shadow->build(strands, opacity, light);
     build.push_back(milliseconds_since(start));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
 #include <functional>
 #include <map>
 
@@ -157,7 +158,7 @@ Image filter(Scene scene) {
 
 /// [Almeida2014 Fig. 3.9]: Kajiya-Kay and Scheuermann on straight and curly hair.
 Image lobes(Scene scene) {
-  Sheet sheet({4, 1}, size_of(scene));
+  Sheet sheet({scene.hair.empty() ? 4 : 2, 1}, size_of(scene));
   scene.method = Method::density_map;
   int column = 0;
   for (const StrandLobes lobe : {StrandLobes::kajiya_kay, StrandLobes::scheuermann}) {
@@ -166,7 +167,7 @@ Image lobes(Scene scene) {
       scene.strands.lobes = lobe;
       sheet.put({column++, 0}, picture_of(*make_strand_drawing(scene.method, s.hair, s.head), scene),
                 lobe == StrandLobes::kajiya_kay ? "Kajiya-Kay" : "Scheuermann",
-                !scene.hair.empty()                   ? scene.hair
+                !scene.hair.empty()                   ? s.hair.name
                 : style == hair::GroomStyle::straight ? "straight"
                                                       : "curly");
       if (!scene.hair.empty()) break;
@@ -187,6 +188,9 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
   const auto figure = figures().find(name);
   if (figure == figures().end()) {
     throw UsageError("there is no figure '" + name + "': filter, lobes, resolutions or self-shadow");
+  }
+  if (const auto extension = std::filesystem::path(out).extension(); extension != ".png" && extension != ".exr") {
+    throw UsageError("-o: '" + out + "' has no extension that is written; use .png or .exr");
   }
   check_writable(out);
   Scene scene = resolve_scene(verb, options);

@@ -58,6 +58,7 @@ void render(const CLI::App& verb, const RenderOptions& options) {
   const ImageSettings& picture = scene.image;
   const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
   Image image = drawing->render(scene, scene.camera.value_or(framed_camera(drawing->bounds(), aspect)));
+  console::throw_if_interrupted();  // an earlier picture stays
   if (const std::size_t bad = remove_non_finite(image); bad > 0)
     spdlog::warn("{} values of the picture were not finite", bad);
   expose(image, picture.exposure);

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <tbb/info.h>
+#include <tbb/global_control.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -85,7 +85,7 @@ void measure(const CLI::App& verb, const Options& o) {
                         {"vertices", hair.strands.vertices.size()},
                         {"seed", o.seed},
                         {"revision", program_revision()},
-                        {"threads", tbb::info::default_concurrency()},
+                        {"threads", tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)},
                         {"truth",
                          {{"points", truth.points.size()},
                           {"rays", scene.truth.rays},

@@ -105,6 +105,8 @@ TEST_F(StrandMethods, WrongOptionsAreNamed) {
   expect({"--order", "weighted"}, "--order: 'weighted' is not one of clusters, exact, patches");
   expect({"--density-map", "better"}, "--density-map: 'better' is not one of corrected, printed");
   expect({"--point-light", "0,1"}, "--point-light: '0,1' has 2 numbers; give 3 to 4");
+  expect({"--point-light", "0,1e10,0"}, "'1e10' in '0,1e10,0' is beyond 1000000");
+  expect({"--light", "0,1,0,1e38"}, "'1e38' in '0,1,0,1e38' is beyond 1000000");
   expect({"--point-light", "0,1,nan"}, "'nan' in '0,1,nan' is not a finite number");
   expect({"--shadow-resolution", "5000"}, "--shadow-resolution");
   const Result view = run(folder, {"view", "@h.hair", "--method", "truth"});
@@ -113,6 +115,9 @@ TEST_F(StrandMethods, WrongOptionsAreNamed) {
   const Result figure = run(folder, {"figure", "everything", "-o", "@x.png"});
   EXPECT_EQ(figure.code, 2);
   EXPECT_THAT(figure.err, HasSubstr("there is no figure 'everything': filter, lobes, resolutions or self-shadow"));
+  const Result format = run(folder, {"figure", "filter", "-o", "@x.jpg"});
+  EXPECT_EQ(format.code, 2);
+  EXPECT_THAT(format.err, HasSubstr("has no extension that is written"));  // before it draws
 }
 
 TEST_F(StrandMethods, PointLightsAndSeveralLightsDraw) {
@@ -158,6 +163,31 @@ TEST_F(StrandMethods, ShadowErrorMeasuresEveryMethod) {
   EXPECT_EQ(again["rows"][3]["rmse"], report["rows"][3]["rmse"]);
 }
 
+TEST_F(StrandMethods, ShadowErrorSaysHowManyThreadsMeasured) {
+  for (const int jobs : {1, 3}) {
+    const Result r = run(folder, {"shadow-error", "@h.hair", "--points", "1", "--rays", "1", "--resolutions", "4",
+                                  "--repeats", "1", "--json", "-j", std::to_string(jobs)});
+    EXPECT_EQ(json::parse(r.out, nullptr, false)["threads"], jobs) << r.err;
+  }
+}
+
+TEST_F(StrandMethods, LengthOfADirectionDoesNotMatter) {
+  ASSERT_EQ(render({"--method", "truth", "--samples", "1", "--light", "1,1,0", "-o", "@a.exr"}).code, 0);
+  ASSERT_EQ(render({"--method", "truth", "--samples", "1", "--light", "1e-30,1e-30,0", "-o", "@b.exr"}).code, 0);
+  EXPECT_EQ(read_image(folder / "a.exr").rgba, read_image(folder / "b.exr").rgba);
+}
+
+TEST_F(StrandMethods, AnInterruptedPictureLeavesTheEarlierOne) {
+  folder.write("a.png", "earlier");
+  const Child child(folder, {"render", "@h.hair", "--method", "density-map", "--size", "2000x2000", "-o", "@a.png"});
+  for (int i = 0; i < 4000 && child.err().empty(); ++i) usleep(5'000);  // it says what it has read
+  child.signal(SIGINT);
+  const Result r = child.wait();
+  if (r.code == 5) GTEST_SKIP() << r.err;
+  EXPECT_EQ(r.code, 130) << r.err;
+  EXPECT_EQ(text_of(folder / "a.png"), "earlier");
+}
+
 TEST_F(StrandMethods, ShadowErrorRefusesASceneWithoutLightOrHair) {
   folder.write("dark.json", R"({"version": 1, "hair": "h.hair", "lights": []})");
   const Result dark = run(folder, {"shadow-error", "@dark.json"});
@@ -171,6 +201,8 @@ TEST_F(StrandMethods, FigureOfOnesOwnHair) {
   ASSERT_EQ(r.code, 0) << r.err;
   const Image sheet = read_image(folder / "f.png");
   EXPECT_EQ(sheet.width, 3 * 48 + 8);
+  ASSERT_EQ(run(folder, {"figure", "lobes", "@h.hair", "--size", "40x40", "-o", "@l.png"}).code, 0);
+  EXPECT_EQ(read_image(folder / "l.png").width, 2 * 48 + 8) << "no room for other hair";
 }
 
 }  // namespace
