@@ -118,6 +118,22 @@ TEST_P(EveryMethod, SaysWhatItRefuses) {
   EXPECT_THAT(why(good, 0.5F, light_from({0, 0, 0})), HasSubstr("direction"));
 }
 
+TEST(DeepOpacityMap, BeginsAtTheFirstHairWhateverTheirOrder) {
+  for (const bool near_last : {true, false}) {
+    Strands hair;
+    hair.diameter_m = 0.01F;
+    for (const float y : near_last ? std::array{-0.1F, 0.1F} : std::array{0.1F, -0.1F})
+      hair.append(std::array{glm::vec3(0, y, -0.1F), glm::vec3(0, y, 0.1F)});
+    ShadowSettings settings;
+    settings.opacity_map.resolution = 16;
+    const auto shadow = make_shadow(Method::deep_opacity, settings, hair, 0.5F, light_from({0, 1, 0}));
+    EXPECT_EQ(at(*shadow, {0, 0.11F, 0}), 1.0F);
+    const float between = at(*shadow, {0, 0, 0}), behind = at(*shadow, {0, -0.2F, 0});
+    EXPECT_LT(between, 0.9F) << near_last;
+    EXPECT_NEAR(behind, between * between, 1e-3F) << "two fibres";
+  }
+}
+
 TEST(OpacityShadowMap, RefusesMoreCellsThanItCanCount) {
   ShadowSettings settings;
   settings.opacity_map.resolution = 4096;

@@ -111,6 +111,16 @@ TEST(PointLight, ShadowIsContinuousFromFaceToFace) {
   EXPECT_LT(most, 0.05);
 }
 
+TEST(PointLight, NothingGetsThroughAFibreAtTheLight) {
+  Strands hair;
+  hair.diameter_m = 1e-3F;
+  hair.append(std::array{glm::vec3(-0.01F, 0, 0), glm::vec3(0.01F, 0, 0)});
+  const glm::vec3 light(0, 1e-3F, 0);  // the fibre covers 53 degrees
+  const DensityMap map({}, hair, 1.0F, light_at(light));
+  EXPECT_LT(map.transmittance({0, -0.1F, 0}), 1e-3F);
+  EXPECT_EQ(map.transmittance({0, 0.1F, 0}), 1.0F);
+}
+
 TEST(PointLight, OddPlacesGiveFiniteShadows) {
   const Strands hair = clumped_hair(100);
   DensityMapSettings settings;

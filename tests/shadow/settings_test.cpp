@@ -254,26 +254,35 @@ TEST(DensityMapDeposit, TakesWidthsOfVertices) {
   EXPECT_NEAR(map.deposited_area_m2(), expected, 1e-4 * expected);
 }
 
-TEST(DensityMapFootprint, AveragesOverItsDiscWhereCellsAreFiner) {
+void expect_footprint(bool along_z) {
   // One opaque-ish fibre across the light: behind it, T averaged over a disc of radius r has a profile of that width.
   Strands hair;
   hair.diameter_m = 1e-3F;
   hair.append(std::array{glm::vec3(0, 0, -0.1F), glm::vec3(0, 0, 0.1F)});
+  for (glm::vec3& p : hair.vertices) p = glm::vec3(along_z ? 0 : p.z, 0, along_z ? p.z : 0);
   // Cells of 0.4 and of 2 mm: in the latter deposit and interpolation have spread the fibre by half as much already.
   for (const int resolution : {512, 100}) {
     DensityMapSettings settings;
     settings.resolution = resolution;
     settings.footprint_m = 0.004F;
     const DensityMap map(settings, hair, 0.02F, light_from({0, 1, 0}));
-    double sum = 0, square = 0;
+    double sum = 0, first = 0, square = 0;
     for (int i = -200; i <= 200; ++i) {
-      const double x = 1e-4 * i, dark = 1 - double(map.transmittance({static_cast<float>(x), -0.05F, 0}));
+      const double x = 1e-4 * i,
+                   dark = 1 - double(map.transmittance(along_z ? glm::vec3(x, -0.05F, 0) : glm::vec3(0, -0.05F, x)));
       sum += dark;
+      first += x * dark;
       square += x * x * dark;
     }
     EXPECT_NEAR(std::sqrt(square / sum), 0.5 * 0.004, 0.05 * 0.002)
         << "a disc's standard deviation along an axis is r / 2";
+    EXPECT_NEAR(first / sum, 0, 2e-5) << "around where it is read";
   }
+}
+
+TEST(DensityMapFootprint, AveragesOverItsDiscWhereCellsAreFiner) {
+  expect_footprint(true);
+  expect_footprint(false);
 }
 
 TEST(DensityMapTexture, IsWhatTheMapReads) {
