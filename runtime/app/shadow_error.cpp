@@ -70,7 +70,8 @@ ShadowError shadow_error(const std::vector<float>& transmittance, const std::vec
   return error;
 }
 
-std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, const std::vector<int>& resolutions) {
+std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, std::vector<int> resolutions) {
+  std::sort(resolutions.begin(), resolutions.end());
   std::vector<ShadowRow> rows{{"unshadowed", "", Method::unshadowed, base}};
   const auto map = [&](std::string name, int resolution, DensityMapSettings settings) {
     settings.resolution = resolution;

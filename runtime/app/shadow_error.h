@@ -42,7 +42,7 @@ struct ShadowRow {
 
 /// The methods at the given resolutions: nothing, paper A as printed, corrected step by step (at the second finest
 /// resolution) and corrected, opacity shadow maps, deep opacity maps.
-std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, const std::vector<int>& resolutions);
+std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, std::vector<int> resolutions);
 
 struct ShadowResult {
   ShadowError error;

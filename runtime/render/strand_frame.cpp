@@ -160,8 +160,8 @@ void StrandFrame::look_up_at_fragments() {
     auto map = s.shadow->depth_texture();
     if (!map) {
       throw UsageError(
-          "shadows at fragments need method density-map, directional lights and even slices; look them "
-          "up at vertices");
+          "shadows at fragments need method density-map, directional lights, even slices and the filter; look "
+          "them up at vertices");
     }
     maps.push_back(std::move(*map));
   }

@@ -39,7 +39,8 @@ constexpr std::size_t kBlock = 256;
 /// Up to kBlock vertices, structure of arrays. Tangent, towards the light, towards the eye (any length).
 struct Block {
   std::array<std::array<float, kBlock>, 3> tangent, light, eye;
-  std::array<float, kBlock> gain;  // what arrives, relative to the light at 1 m
+  std::array<float, kBlock> transmittance;
+  std::array<float, kBlock> gain;  // of what arrives, relative to the light at 1 m
 };
 
 inline std::uint32_t byte(float v) noexcept {
@@ -58,7 +59,8 @@ PELAGE_CLONES void arrange(const ColourRequest& request, glm::vec3 unit_light, c
       b.light[axis][i] = towards;
     }
   }
-  std::copy_n(transmittance, n, b.gain.begin());
+  std::copy_n(transmittance, n, b.transmittance.begin());
+  std::fill_n(b.gain.begin(), n, 1.0F);
 }
 
 void from_point_light(const Light& light, std::span<const glm::vec3> points, Block& b) noexcept {
@@ -85,9 +87,10 @@ PELAGE_CLONES void colour(const Constants& k, const Block& b, std::size_t n, std
     float base = sl * se - tl * te;
     base = base > 1e-30F ? base : 1e-30F;
     base = base < 1.0F ? base : 1.0F;
-    const float high = exp_neg(exponent * minus_log(base)), gain = b.gain[i];
-    out[i] = byte(ar + gain * (dr * sl + sr * high)) | (byte(ag + gain * (dg * sl + sg * high)) << 8) |
-             (byte(ab + gain * (db * sl + sb * high)) << 16) | 0xff000000U;
+    const float high = exp_neg(exponent * minus_log(base)), gain = b.gain[i], through = b.transmittance[i];
+    out[i] = byte(gain * (ar + through * (dr * sl + sr * high))) |
+             (byte(gain * (ag + through * (dg * sl + sg * high))) << 8) |
+             (byte(gain * (ab + through * (db * sl + sb * high))) << 16) | 0xff000000U;
   }
 }
 

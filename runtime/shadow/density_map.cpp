@@ -57,6 +57,25 @@ PELAGE_CLONES void exponentiate(float* __restrict depth, std::size_t n) noexcept
   for (std::size_t i = 0; i < n; ++i) depth[i] = exp_neg(depth[i]);
 }
 
+glm::vec3 middle_of(const Strands& strands) {
+  return box_along(glm::mat3(1.0F), glm::vec3(0.0F), strands.vertices).middle();
+}
+
+/// Rays that leave the hair's sphere by a thousandth of it are parallel; and far away a float has no digits left for
+/// the differences between them. No hair is far from any light.
+bool is_far(glm::vec3 light, const Strands& strands) {
+  if (!std::isfinite(light.x + light.y + light.z)) {
+    throw InputError("light", "a point light's position is not finite; give it in metres");
+  }
+  const Box box = box_along(glm::mat3(1.0F), glm::vec3(0.0F), strands.vertices);
+  return strands.vertices.empty() || glm::distance(light, box.middle()) > 1000.0F * glm::length(box.extent()) + 1.0F;
+}
+
+glm::vec3 direction_to(glm::vec3 light, const Strands& strands) {
+  const glm::vec3 towards = light - middle_of(strands);
+  return towards == glm::vec3(0.0F) ? glm::vec3(0, 1, 0) : towards;
+}
+
 /// NaN where p is not finite, else 0.
 float not_finite(glm::vec3 p) noexcept {
   const float sum = p.x + p.y + p.z;
@@ -68,10 +87,10 @@ float not_finite(glm::vec3 p) noexcept {
 void DensityMap::build(const Strands& strands, float opacity, const Light& light) {
   check_hair(strands, opacity);
   const auto start = std::chrono::steady_clock::now();
-  if (light.position && !strands.vertices.empty())
+  if (light.position && !is_far(*light.position, strands))
     map_point(strands, *light.position);
   else
-    map_parallel(strands, light.position ? glm::vec3(0, 1, 0) : light.direction);
+    map_parallel(strands, light.position ? direction_to(*light.position, strands) : light.direction);
   if (!settings_.area) calibrate(strands);
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (settings_.adaptive_slices) slice_by_content(strands, faces_[i], cells_[i]);
@@ -113,9 +132,6 @@ void DensityMap::map_parallel(const Strands& strands, glm::vec3 to_light) {
 }
 
 void DensityMap::map_point(const Strands& strands, glm::vec3 light) {
-  if (!std::isfinite(light.x + light.y + light.z)) {
-    throw InputError("light", "a point light's position is not finite; give it in metres");
-  }
   const auto resolution = static_cast<float>(std::clamp(settings_.resolution, 1, 1024));
   const glm::mat3 world(1.0F);
   const Box around = box_along(world, light, strands.vertices);
@@ -165,8 +181,10 @@ void DensityMap::map_point(const Strands& strands, glm::vec3 light) {
 }
 
 void DensityMap::calibrate(const Strands& strands) {
-  if (calibrated_vertices_ == strands.vertices.size() && calibrated_vertices_ > 0) return;
-  calibrated_vertices_ = strands.vertices.size();
+  const std::array<float, 4> hair{static_cast<float>(strands.vertices.size()), static_cast<float>(strands.count()),
+                                  static_cast<float>(strands.diameters_m.size()), strands.diameter_m};
+  if (calibrated_for_ == hair) return;
+  calibrated_for_ = hair;
   constant_extent_m_ = constant_extent_m(strands);
   double area = 0;
   for (std::size_t s = 0; s < strands.count(); ++s) {
@@ -175,7 +193,7 @@ void DensityMap::calibrate(const Strands& strands) {
               static_cast<double>(diameter_at(strands, i));
     }
   }
-  blocked_area_m2_ = static_cast<float>(area / static_cast<double>(std::max<std::size_t>(calibrated_vertices_, 1)));
+  blocked_area_m2_ = static_cast<float>(area / static_cast<double>(std::max<std::size_t>(strands.vertices.size(), 1)));
 }
 
 void DensityMap::slice_by_content(const Strands& strands, Face& face, glm::ivec3 cells) const {
@@ -345,6 +363,7 @@ std::optional<DepthTexture> DensityMap::depth_texture() const {
   if (face.mapping.point_light || !face.mapping.slices.at.empty()) return std::nullopt;
   if (!settings_.filter) return std::nullopt;
   DepthTexture texture;
+  texture.values.reserve(face.grid.bytes() / sizeof(float));
   texture.transmittance = !settings_.interpolate_depth;
   texture.tap_cells = tap_cells(face);
   texture.size = face.grid.cells();

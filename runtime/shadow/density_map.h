@@ -18,6 +18,7 @@
 // Point lights: one frustum around the hair where the light sees it within 50 degrees, else the six faces of a cube.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
@@ -79,8 +80,8 @@ class DensityMap final : public HairShadow {
   std::vector<Face> faces_;
   std::vector<glm::ivec3> cells_;  // [face], as planned
   BuildTimes times_;
-  // Lengths do not change when hair moves; measured when the number of vertices does.
-  std::size_t calibrated_vertices_ = 0;
+  // Lengths do not change when hair moves; measured when these do: numbers of vertices, strands, diameters, and D.
+  std::array<float, 4> calibrated_for_{-1, -1, -1, -1};
   float blocked_area_m2_ = 0;  // D len of all segments, per vertex
   float constant_extent_m_ = 0;
 };

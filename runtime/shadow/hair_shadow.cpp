@@ -50,6 +50,11 @@ void check_hair(const Strands& strands, float opacity) {
                                                  : strands.diameters_m.size() == strands.vertices.size();
   if (!known && !strands.vertices.empty())
     throw InputError("shadow", "the hair has no drawn diameter: set one, or one per vertex");
+  for (std::size_t i = 0; i < strands.diameters_m.size(); ++i) {
+    if (strands.diameters_m[i] >= 0 && std::isfinite(strands.diameters_m[i])) continue;
+    throw InputError("shadow", "the diameter at vertex " + std::to_string(i) + " is " +
+                                   std::to_string(strands.diameters_m[i]) + " m; it is finite and not negative");
+  }
 }
 
 }  // namespace pelage

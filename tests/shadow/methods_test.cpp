@@ -113,6 +113,10 @@ TEST_P(EveryMethod, SaysWhatItRefuses) {
   EXPECT_EQ(why(good, 0.5F, light), "accepted");
   EXPECT_THAT(why(bad, 0.5F, light), HasSubstr("vertex 7"));
   EXPECT_THAT(why(unknown, 0.5F, light), HasSubstr("diameter"));
+  unknown.diameters_m.assign(unknown.vertices.size(), 1e-4F);
+  EXPECT_EQ(why(unknown, 0.5F, light), "accepted");
+  unknown.diameters_m[4] = -1e-4F;
+  EXPECT_THAT(why(unknown, 0.5F, light), HasSubstr("diameter at vertex 4"));
   EXPECT_THAT(why(good, NAN, light), HasSubstr("opacity"));
   EXPECT_THAT(why(good, 1.5F, light), HasSubstr("opacity"));
   EXPECT_THAT(why(good, 0.5F, light_from({0, 0, 0})), HasSubstr("direction"));
