@@ -21,7 +21,7 @@ struct Vertex {
 
 /// A strand's vertices but those that coincide with the one before.
 void distinct_vertices(const Strands& strands, std::size_t s, std::vector<Vertex>& out) {
-  constexpr double kEps = std::numeric_limits<float>::epsilon();
+  constexpr double kEps = static_cast<double>(std::numeric_limits<float>::epsilon());
   out.clear();
   for (std::size_t i = strands.offsets[s]; i < strands.offsets[s + 1]; ++i) {
     const glm::dvec3 p(strands.vertices[i]);
