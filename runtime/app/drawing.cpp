@@ -30,7 +30,15 @@ class FrameDrawing final : public Drawing {
 
   Image render(const Scene& scene, const Camera& camera) override {
     const ImageSettings& p = scene.image;
-    return frame_.render(settings_of(frame_, scene, camera), p.width, p.height, p.supersampling);
+    std::optional<console::Progress> progress;  // of pictures of several tiles
+    return frame_.render(settings_of(frame_, scene, camera), p.width, p.height, p.supersampling, kTileSamples,
+                         [&](int done, int total) {
+                           console::throw_if_interrupted();
+                           if (total == 1) return;
+                           if (!progress)
+                             progress.emplace("drawing " + name(), static_cast<std::uint64_t>(total), "tiles");
+                           progress->update(static_cast<std::uint64_t>(done));
+                         });
   }
   void show(const Scene& scene, const Camera& camera, int width, int height) override {
     frame_.show(settings_of(frame_, scene, camera), width, height, scene.image.exposure,

@@ -19,11 +19,14 @@ glm::mat4 part_matrix(int x0, int y0, int w, int h, int W, int H) {
 
 }  // namespace
 
-Image PictureOutput::render(const PictureSize& size, StageLedger& ledger, const Draw& draw) {
+Image PictureOutput::render(const PictureSize& size, StageLedger& ledger, const Draw& draw, const TilesDone& told) {
   Image image(size.width, size.height);
   const int side = std::max(1, size.tile_samples / size.supersampling);
   const int w = std::min(size.width, side), h = std::min(size.height, side);
   Framebuffer target(w * size.supersampling, h * size.supersampling, format_, true);
+  const int total = ((size.width + w - 1) / w) * ((size.height + h - 1) / h);
+  int done = 0;
+  if (told) told(0, total);
   for (int y = 0; y < size.height; y += h) {
     for (int x = 0; x < size.width; x += w) {
       {
@@ -31,8 +34,11 @@ Image PictureOutput::render(const PictureSize& size, StageLedger& ledger, const 
         draw(part_matrix(x, y, w, h, size.width, size.height), target);
         glFinish();
       }
-      auto stage = ledger.run("read");
-      read(target, size.supersampling, image, x, y);
+      {
+        auto stage = ledger.run("read");
+        read(target, size.supersampling, image, x, y);
+      }
+      if (told) told(++done, total);
     }
   }
   return image;

@@ -15,6 +15,9 @@ namespace pelage {
 /// Side of a tile in samples.
 inline constexpr int kTileSamples = 2048;
 
+/// Told how many tiles of a picture are drawn.
+using TilesDone = std::function<void(int done, int total)>;
+
 struct PictureSize {
   int width, height;  // pixels
   int supersampling = 1;
@@ -32,7 +35,8 @@ class PictureOutput {
   explicit PictureOutput(GLenum format) : format_(format) {}
 
   /// Stages "draw" and "read", once for each tile. Linear, premultiplied.
-  Image render(const PictureSize& size, StageLedger& ledger, const Draw& draw);
+  /// @param told  before the first tile and after each; may throw to interrupt
+  Image render(const PictureSize& size, StageLedger& ledger, const Draw& draw, const TilesDone& told = {});
   /// Stage "draw"; exposed and over a background on the window's own framebuffer of this size.
   void show(const PictureSize& size, float exposure, const glm::vec3& background, StageLedger& ledger,
             const Draw& draw);

@@ -139,12 +139,13 @@ void SatfFrame::show(const FrameSettings& settings, int width, int height, float
   output_.show(size, exposure, background, ledger_, draw_of(frame, size.aspect()));
 }
 
-Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples) {
+Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples,
+                        const TilesDone& told) {
   const FrameSettings frame = with_light(settings);
   if (last_) ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height, supersampling, tile_samples};
-  return output_.render(size, ledger_, draw_of(frame, size.aspect()));
+  return output_.render(size, ledger_, draw_of(frame, size.aspect()), told);
 }
 
 }  // namespace pelage

@@ -36,7 +36,8 @@ class SatfFrame {
   ~SatfFrame();
 
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
-  Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples);
+  Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples,
+               const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
   void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 

@@ -218,12 +218,12 @@ void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, 
   output_.show(size, exposure, background, ledger_, draw_of(frame, size));
 }
 
-Image StrandFrame::render(const StrandFrameSettings& frame, int width, int height, int supersampling,
-                          int tile_samples) {
+Image StrandFrame::render(const StrandFrameSettings& frame, int width, int height, int supersampling, int tile_samples,
+                          const TilesDone& told) {
   ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height, supersampling, tile_samples};
-  return output_.render(size, ledger_, draw_of(frame, size));
+  return output_.render(size, ledger_, draw_of(frame, size), told);
 }
 
 }  // namespace pelage

@@ -58,7 +58,7 @@ class StrandFrame {
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
   /// @throws UsageError for a method or settings that are not drawn here; what make_shadow() throws
   Image render(const StrandFrameSettings& frame, int width, int height, int supersampling,
-               int tile_samples = kTileSamples);
+               int tile_samples = kTileSamples, const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
   void show(const StrandFrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 

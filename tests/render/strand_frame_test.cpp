@@ -145,6 +145,25 @@ TEST_F(StrandFrames, HairThatIsNoHair) {
   }
 }
 
+TEST_F(StrandFrames, TellsItsTilesAndCanBeStoppedBetweenThem) {
+  StrandFrame frame(strand_lock(30), 0.6F, {});
+  const StrandFrameSettings settings = strands_from_the_front();
+  std::vector<int> done;
+  const auto told = [&](int n, int total) {
+    EXPECT_EQ(total, 6);  // 48 x 32 pixels in tiles of 16
+    done.push_back(n);
+  };
+  const Image whole = frame.render(settings, 48, 32, 1, 16, told);
+  EXPECT_EQ(done, (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+  const auto drawn = frame.ledger().calls("draw");
+  const auto stop = [](int n, int) {
+    if (n == 2) throw Interrupted("by the test");
+  };
+  EXPECT_THROW(frame.render(settings, 48, 32, 1, 16, stop), Interrupted);
+  EXPECT_EQ(frame.ledger().calls("draw"), drawn + 2);
+  EXPECT_EQ(frame.render(settings, 48, 32, 1, 16).rgba, whole.rgba) << "and goes on as if nothing had happened";
+}
+
 TEST_F(StrandFrames, OnlyWhatChangedIsComputedAgain) {
   StrandFrame frame(strand_lock(30), 0.6F, test::wall());
   StrandFrameSettings settings = strands_from_the_front();
