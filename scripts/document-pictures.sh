@@ -21,7 +21,7 @@ render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unsha
 
 # Figures of the papers: shadows strand by strand against the truth, and what shades a strand.
 for figure in resolutions self-shadow filter lobes; do
-  "$bin/pelage" figure "$figure" -o "docs/$figure.png" --progress never --log-level warn
+  "$bin/pelage" figure "$figure" --size 300x340 -o "docs/$figure.png" --progress never --log-level warn
 done
 
 # Records and coverage: a generic database against the wavy hair.

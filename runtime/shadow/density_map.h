@@ -15,7 +15,8 @@
 // indices, the first slice next to the last, hair that folds onto itself) cannot happen. `fitted = false` keeps the
 // paper's constant cells, anchored in space.
 // Before the hair, and beside it, a point has depth 0; behind it the column's total.
-// Point lights: one frustum around the hair where the light sees it within 50 degrees, else the six faces of a cube.
+// Point lights: one frustum around the hair where the light sees it within 50 degrees, else the six faces of a cube;
+// from a thousand times the hair's size on, parallel.
 #pragma once
 
 #include <array>

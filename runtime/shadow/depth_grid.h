@@ -42,7 +42,7 @@ class DepthGrid {
 
   /// Positions are held inside the grid. `copy` is the caller's own: no two threads share one.
   void add_nearest(PieceBlock& block, std::size_t copy) noexcept;
-  /// Spread over the eight nearest cells; what they receive sums to the piece's depth exactly.
+  /// Spread over the eight nearest cells; what they receive sums to the piece's depth, rounded to whole quanta.
   void add_trilinear(PieceBlock& block, std::size_t copy) noexcept;
 
   /// Adds up along the light, once, over all copies. centre: a cell counts half of itself; else all of itself

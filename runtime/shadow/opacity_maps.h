@@ -4,9 +4,9 @@
 //
 // Opacity shadow maps [KimNeumann2001]: slices at even distances through the hair's box; each holds the opacity before
 // it; between two, linear.
-// Deep opacity maps [YukselKeyser2008]: each pixel's layers begin at its own first hair and grow in thickness (1 : 2 :
-// 3
-// ...), so that no layer is spent on empty space; read in each of the four pixels by that pixel's own layers.
+// Deep opacity maps [YukselKeyser2008]: each pixel's layers begin at its own first hair, and each is thicker than the
+// one before by the first one's thickness, so that none is spent on empty space; read in each of the four pixels by
+// that pixel's own layers.
 #pragma once
 
 #include <vector>
