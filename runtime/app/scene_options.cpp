@@ -195,7 +195,8 @@ void check_hairstyle_options(const CLI::App& verb, const Scene& scene) {
 
 std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   auto o = std::make_shared<SceneOptions>();
-  verb.add_option("input", o->input, "Scene file (.json), hairstyle file (.json) or hair file (.hair, .tfx)")
+  verb.add_option("input", o->input,
+                  "Scene file (.json), hairstyle file (.json) or hair file (any that `pelage info` reads)")
       ->required();
   verb.add_option("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
   verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");

@@ -11,10 +11,6 @@
 namespace pelage::app {
 namespace {
 
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// The value below which a share of the values lies; reorders them.
 double quantile_of(std::vector<double>& values, double share) {
   if (values.empty()) return 0;

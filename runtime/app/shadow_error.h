@@ -13,7 +13,7 @@
 
 namespace pelage::app {
 
-/// T* at vertices drawn at random, each light's in turn.
+/// T* of one light at vertices drawn at random.
 struct ShadowTruth {
   std::vector<glm::vec3> points;  // metres
   std::vector<TruthEstimate> estimates;

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <filesystem>
 #include <functional>
 #include <map>
 
@@ -189,9 +188,7 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
   if (figure == figures().end()) {
     throw UsageError("there is no figure '" + name + "': filter, lobes, resolutions or self-shadow");
   }
-  if (const auto extension = std::filesystem::path(out).extension(); extension != ".png" && extension != ".exr") {
-    throw UsageError("-o: '" + out + "' has no extension that is written; use .png or .exr");
-  }
+  check_picture_name(out);
   check_writable(out);
   Scene scene = resolve_scene(verb, options);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
@@ -218,7 +215,7 @@ void add_figure(CLI::App& app) {
   verb->add_option("figure", *name, "filter, lobes, resolutions or self-shadow")->required();
   auto options = add_scene_options(*verb);
   verb->get_option("input")->required(false)->description(
-      "Scene, hairstyle or hair file; without it a groom of 10,000 strands");
+      "Scene, hairstyle or hair file; without it a groom of 10,000 or 15,000 strands");
   auto out = std::make_shared<std::string>();
   verb->add_option("-o,--out", *out, "Picture to write: .png or .exr")->required();
   console::add_common_options(*verb);

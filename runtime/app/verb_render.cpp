@@ -44,9 +44,7 @@ void print_stats(const Drawing& drawing) {
 
 void render(const CLI::App& verb, const RenderOptions& options) {
   const std::filesystem::path out = options.out;
-  if (out.extension() != ".png" && out.extension() != ".exr") {
-    throw UsageError("-o: '" + options.out + "' has no extension that is written; use .png or .exr");
-  }
+  check_picture_name(out);
   check_writable(out);
   const Scene scene = resolve_scene(verb, *options.scene);
   std::optional<HeadlessContext> context;

@@ -126,8 +126,9 @@ void add_shadow_error(CLI::App& app) {
   verb->add_option("--rays", options->rays, "Rays per point; a claim below .05 wants 8000")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  verb->add_option("--footprint-mm", options->footprint_mm,
-                   "Radius over which the truth is averaged [mm]; at least 4 strand spacings")
+  verb->add_option(
+          "--footprint-mm", options->footprint_mm,
+          "Radius over which the truth is averaged [mm], at least 4 strand spacings; the maps' own is in the scene")
       ->capture_default_str()
       ->check(console::finite(0, 1000));
   verb->add_option("--repeats", options->repeats, "Times that each map is built; medians are shown")

@@ -11,12 +11,16 @@
 #include "pelage/image/tone.h"
 
 namespace pelage {
+
+void check_picture_name(const std::filesystem::path& file) {
+  if (file.extension() == ".png" || file.extension() == ".exr") return;
+  throw UsageError("-o: '" + file.string() + "' has no extension that is written; use .png or .exr");
+}
+
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::map<std::string, std::string>& attributes) {
+  check_picture_name(file);
   const std::string extension = file.extension().string();
-  if (extension != ".png" && extension != ".exr") {
-    throw UsageError(file.string() + ": the extension is '" + extension + "'; pictures are written as .png or .exr");
-  }
   const bool png = extension == ".png";
   AtomicFile out(file);
   // Encoded in memory: OpenImageIO's PNG writer does not tell when the disk is full.

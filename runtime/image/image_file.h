@@ -14,6 +14,9 @@ namespace pelage {
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::map<std::string, std::string>& attributes);
 
+/// Does the extension name a format that write_image writes? @throws UsageError naming them
+void check_picture_name(const std::filesystem::path& file);
+
 /// Reads any picture that OpenImageIO knows as linear premultiplied RGBA (8-bit files are taken as sRGB).
 /// @throws InputError
 Image read_image(const std::filesystem::path& file);

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include "pelage/data_schema/errors.h"
@@ -31,10 +32,6 @@ constexpr float kOneFrustum = 0.64F;
 /// Mean sine of the angle between the light and a segment of no preferred direction; calibrates the paper's f.
 constexpr float kMeanSine = std::numbers::pi_v<float> / 4;
 constexpr std::size_t kMostCopies = 8;
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 int checked_cells(double cells) {
   const double all = std::ceil(cells) + 2 * kMargin;
@@ -57,29 +54,17 @@ PELAGE_CLONES void exponentiate(float* __restrict depth, std::size_t n) noexcept
   for (std::size_t i = 0; i < n; ++i) depth[i] = exp_neg(depth[i]);
 }
 
-glm::vec3 middle_of(const Strands& strands) {
-  return box_along(glm::mat3(1.0F), glm::vec3(0.0F), strands.vertices).middle();
-}
-
-/// Rays that leave the hair's sphere by a thousandth of it are parallel; and far away a float has no digits left for
-/// the differences between them. No hair is far from any light.
-bool is_far(glm::vec3 light, const Strands& strands) {
+/// Where a point light's rays come from, if they are parallel: rays that leave the hair's sphere by a thousandth of it
+/// are, and farther away a float has no digits left for the differences between them. No hair is far from any light.
+std::optional<glm::vec3> parallel_from(glm::vec3 light, const Strands& strands) {
   if (!std::isfinite(light.x + light.y + light.z)) {
     throw InputError("light", "a point light's position is not finite; give it in metres");
   }
+  if (strands.vertices.empty()) return glm::vec3(0, 1, 0);
   const Box box = box_along(glm::mat3(1.0F), glm::vec3(0.0F), strands.vertices);
-  return strands.vertices.empty() || glm::distance(light, box.middle()) > 1000.0F * glm::length(box.extent()) + 1.0F;
-}
-
-glm::vec3 direction_to(glm::vec3 light, const Strands& strands) {
-  const glm::vec3 towards = light - middle_of(strands);
-  return towards == glm::vec3(0.0F) ? glm::vec3(0, 1, 0) : towards;
-}
-
-/// NaN where p is not finite, else 0.
-float not_finite(glm::vec3 p) noexcept {
-  const float sum = p.x + p.y + p.z;
-  return sum - sum;
+  const glm::vec3 towards = light - box.middle();
+  if (glm::length(towards) <= 1000.0F * glm::length(box.extent()) + 1.0F) return std::nullopt;
+  return towards;
 }
 
 }  // namespace
@@ -87,14 +72,15 @@ float not_finite(glm::vec3 p) noexcept {
 void DensityMap::build(const Strands& strands, float opacity, const Light& light) {
   check_hair(strands, opacity);
   const auto start = std::chrono::steady_clock::now();
-  if (light.position && !is_far(*light.position, strands))
-    map_point(strands, *light.position);
+  const auto parallel = light.position ? parallel_from(*light.position, strands) : light.direction;
+  if (parallel)
+    map_parallel(strands, *parallel);
   else
-    map_parallel(strands, light.position ? direction_to(*light.position, strands) : light.direction);
+    map_point(strands, *light.position);
   if (!settings_.area) calibrate(strands);
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    if (settings_.adaptive_slices) slice_by_content(strands, faces_[i], cells_[i]);
-    fill(strands, opacity, faces_[i]);
+  for (Face& face : faces_) {
+    if (settings_.adaptive_slices) slice_by_content(strands, face);
+    fill(strands, opacity, face);
   }
   times_.fill_ms = milliseconds_since(start);
   const auto filled = std::chrono::steady_clock::now();
@@ -107,7 +93,6 @@ void DensityMap::build(const Strands& strands, float opacity, const Light& light
 
 void DensityMap::map_parallel(const Strands& strands, glm::vec3 to_light) {
   faces_.resize(1);
-  cells_.resize(1);
   LightMapping& m = faces_[0].mapping;
   m = {};
   m.axes = light_axes(to_light);
@@ -128,7 +113,7 @@ void DensityMap::map_parallel(const Strands& strands, glm::vec3 to_light) {
     }
   }
   m.offset = -low / cell + static_cast<float>(kMargin);
-  cells_[0] = checked_cells((box.high - low) / cell);
+  faces_[0].cells = checked_cells((box.high - low) / cell);
 }
 
 void DensityMap::map_point(const Strands& strands, glm::vec3 light) {
@@ -152,32 +137,36 @@ void DensityMap::map_point(const Strands& strands, glm::vec3 light) {
     }
   }
   faces_.resize(axes.size());
-  cells_.resize(axes.size());
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    LightMapping& m = faces_[i].mapping;
-    m = {};
-    m.axes = axes[i];
-    m.centre = light;
-    m.point_light = true;
-    Box box = box_along(m.axes, light, strands.vertices);
-    glm::vec2 low(-1), high(1);
-    if (one) {
-      low = glm::vec2(3e38F), high = glm::vec2(-3e38F);
-      for (const glm::vec3& p : strands.vertices) {
-        const glm::vec3 q = m.local(p);
-        const glm::vec2 slope(q.y / q.x, q.z / q.x);
-        low = glm::min(low, slope), high = glm::max(high, slope);
-      }
-    } else {
-      box.low.x = 0;
-      box.high.x = std::max(box.high.x, 1e-6F);
-    }
-    const float slope = std::max({high.x - low.x, high.y - low.y, 1e-6F}) / resolution;
-    const float length = std::max(box.extent().x, 1e-6F) / resolution;
-    m.cells_per_unit = {1.0F / length, 1.0F / slope, 1.0F / slope};
-    m.offset = glm::vec3(-box.low.x / length, -low.x / slope, -low.y / slope) + static_cast<float>(kMargin);
-    cells_[i] = checked_cells(glm::vec3(box.extent().x / length, (high.x - low.x) / slope, (high.y - low.y) / slope));
+    faces_[i].mapping = {};
+    faces_[i].mapping.axes = axes[i];
+    faces_[i].mapping.centre = light;
+    faces_[i].mapping.point_light = true;
+    map_frustum(strands, resolution, one, faces_[i]);
   }
+}
+
+/// @param whole_hair  the frustum is fitted to all of it; else it is a face of the cube, slopes -1 to 1
+void DensityMap::map_frustum(const Strands& strands, float resolution, bool whole_hair, Face& face) {
+  LightMapping& m = face.mapping;
+  Box box = box_along(m.axes, m.centre, strands.vertices);
+  glm::vec2 low(-1), high(1);
+  if (whole_hair) {
+    low = glm::vec2(3e38F), high = glm::vec2(-3e38F);
+    for (const glm::vec3& p : strands.vertices) {
+      const glm::vec3 q = m.local(p);
+      const glm::vec2 slope(q.y / q.x, q.z / q.x);
+      low = glm::min(low, slope), high = glm::max(high, slope);
+    }
+  } else {
+    box.low.x = 0;
+    box.high.x = std::max(box.high.x, 1e-6F);
+  }
+  const float slope = std::max({high.x - low.x, high.y - low.y, 1e-6F}) / resolution;
+  const float length = std::max(box.extent().x, 1e-6F) / resolution;
+  m.cells_per_unit = {1.0F / length, 1.0F / slope, 1.0F / slope};
+  m.offset = glm::vec3(-box.low.x / length, -low.x / slope, -low.y / slope) + static_cast<float>(kMargin);
+  face.cells = checked_cells(glm::vec3(box.extent().x / length, (high.x - low.x) / slope, (high.y - low.y) / slope));
 }
 
 void DensityMap::calibrate(const Strands& strands) {
@@ -196,12 +185,12 @@ void DensityMap::calibrate(const Strands& strands) {
   blocked_area_m2_ = static_cast<float>(area / static_cast<double>(std::max<std::size_t>(strands.vertices.size(), 1)));
 }
 
-void DensityMap::slice_by_content(const Strands& strands, Face& face, glm::ivec3 cells) const {
+void DensityMap::slice_by_content(const Strands& strands, Face& face) {
   constexpr std::size_t kSteps = 1024;
   // Half of the slices are spread evenly, so that none becomes too thick to place a shadow in.
   std::vector<double> content(kSteps, 0.0);
-  const double inner = static_cast<double>(cells.x - 2 * kMargin);
-  const auto span = static_cast<float>(cells.x);
+  const double inner = static_cast<double>(face.cells.x - 2 * kMargin);
+  const auto span = static_cast<float>(face.cells.x);
   for (const glm::vec3& p : strands.vertices) {
     const float x = face.mapping.cells(p).x / span * static_cast<float>(kSteps);
     if (x >= 0 && x < static_cast<float>(kSteps)) content[static_cast<std::size_t>(x)] += 1;
@@ -222,15 +211,14 @@ void DensityMap::slice_by_content(const Strands& strands, Face& face, glm::ivec3
 
 void DensityMap::fill(const Strands& strands, float opacity, Face& face) {
   const std::size_t vertices = strands.vertices.size();
-  const glm::ivec3 cells = cells_[static_cast<std::size_t>(&face - faces_.data())];
   // Threads fill copies, which are added up later: more than there is work for would cost more than they save.
   const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const std::size_t threads =
       std::min({static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), allowed, kMostCopies});
   const std::size_t copies = std::clamp<std::size_t>(vertices / 4096, 1, threads);
-  face.grid.reset(cells, copies);
+  face.grid.reset(face.cells, copies);
   Cutting cutting{settings_.area, settings_.split, opacity, 0, settings_.factor, {}};
-  if (face.mapping.point_light) cutting.cells = cells;
+  if (face.mapping.point_light) cutting.cells = face.cells;
   if (!settings_.area) {
     const LightMapping& m = face.mapping;
     const float distance = m.point_light && vertices > 0 ? glm::distance(m.centre, strands.vertices[vertices / 2]) : 1;
@@ -261,7 +249,7 @@ void DensityMap::read(const Face& face, std::span<const glm::vec3> points, std::
   face.mapping.cells(points, at);
   const float spread = tap_cells(face);
   if (spread > 0)
-    read_footprint(face, at, points, spread, out);
+    read_footprint(face, at, spread, out);
   else
     read_once(face, at, out);
   for (std::size_t i = 0; i < n; ++i) out[i] += not_finite(points[i]);
@@ -284,9 +272,9 @@ float DensityMap::tap_cells(const Face& face) const noexcept {
   return left > 0 ? std::sqrt(left) : 0;
 }
 
-void DensityMap::read_footprint(const Face& face, const CellBlock& at, std::span<const glm::vec3> points, float spread,
+void DensityMap::read_footprint(const Face& face, const CellBlock& at, float spread,
                                 std::span<float> out) const noexcept {
-  const std::size_t n = points.size();
+  const std::size_t n = out.size();
   std::array<float, CellBlock::kSize> tap;
   CellBlock moved = at;
   std::fill(out.begin(), out.end(), 0.0F);

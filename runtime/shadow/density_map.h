@@ -61,25 +61,25 @@ class DensityMap final : public HairShadow {
   /// One grid: all of a parallel light, or a frustum of a point light.
   struct Face {
     LightMapping mapping;
+    glm::ivec3 cells{0};
     DepthGrid grid;
   };
   void map_parallel(const Strands& strands, glm::vec3 to_light);
   void map_point(const Strands& strands, glm::vec3 light);
+  static void map_frustum(const Strands& strands, float resolution, bool whole_hair, Face& face);
   void calibrate(const Strands& strands);
-  void slice_by_content(const Strands& strands, Face& face, glm::ivec3 cells) const;
+  static void slice_by_content(const Strands& strands, Face& face);
   void fill(const Strands& strands, float opacity, Face& face);
   const Face& face_of(glm::vec3 p) const noexcept;
   void read_faces(std::span<const glm::vec3> points, std::span<float> out) const noexcept;
   void read_once(const Face& face, const CellBlock& at, std::span<float> out) const noexcept;
   /// Distance of the four taps of a footprint from its middle, in cells; 0: the map is coarser than the footprint.
   float tap_cells(const Face& face) const noexcept;
-  void read_footprint(const Face& face, const CellBlock& at, std::span<const glm::vec3> points, float spread,
-                      std::span<float> out) const noexcept;
+  void read_footprint(const Face& face, const CellBlock& at, float spread, std::span<float> out) const noexcept;
   void read(const Face& face, std::span<const glm::vec3> points, std::span<float> out) const noexcept;
 
   DensityMapSettings settings_;
   std::vector<Face> faces_;
-  std::vector<glm::ivec3> cells_;  // [face], as planned
   BuildTimes times_;
   // Lengths do not change when hair moves; measured when these do: numbers of vertices, strands, diameters, and D.
   std::array<float, 4> calibrated_for_{-1, -1, -1, -1};

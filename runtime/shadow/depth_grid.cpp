@@ -26,7 +26,7 @@ using Pair = std::uint32_t __attribute__((vector_size(8)));  // two neighbours a
 constexpr std::int32_t kFull = std::numeric_limits<std::int32_t>::max();
 /// Cells are counted in 32 bits.
 constexpr std::size_t kMostCells = std::numeric_limits<std::int32_t>::max();
-/// Most quanta of one piece: a depth of 64. Float holds it, and kFull - kMostOfPiece does not wrap.
+/// Most quanta of one piece: a depth of 64. Float holds it exactly.
 constexpr float kMostOfPiece = 1 << 30;
 
 float held(float v, float last) noexcept {

@@ -5,6 +5,7 @@
 // a fibre blocks a D len sin(segment, light) of area (DESIGN section 3).
 #pragma once
 
+#include <chrono>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -32,6 +33,10 @@ struct BuildTimes {
   double fill_ms = 0, transmittance_ms = 0;
 };
 
+inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 class HairShadow {
  public:
   virtual ~HairShadow() = default;
@@ -46,7 +51,8 @@ class HairShadow {
   virtual std::optional<DepthTexture> depth_texture() const { return std::nullopt; }
 };
 
-/// The method's shadow of `strands` for one light. Method::satf and Method::truth have none here.
+/// The method's shadow of `strands` for one light. @throws UsageError for Method::satf and Method::truth, which have
+/// none here
 /// @throws InputError for a light without a direction, hair that is not finite, an opacity outside [0, 1], no diameter
 std::unique_ptr<HairShadow> make_shadow(Method method, const ShadowSettings& settings, const Strands& strands,
                                         float opacity, const Light& light);

@@ -74,10 +74,9 @@ PELAGE_CLONES void parallel_cells(const float* __restrict m, const float* __rest
 float SliceMap::operator()(float x) const noexcept {
   if (at.empty()) return x;
   const float last = static_cast<float>(at.size() - 1);
-  const float step = x * steps_per_cell, bounded = std::min(std::max(step > 0 ? step : 0.0F, 0.0F), last);
+  const float step = x * steps_per_cell, bounded = std::min(step > 0 ? step : 0.0F, last);  // NaN too
   const auto i = std::min(static_cast<std::size_t>(bounded), at.size() - 2);
-  const float mapped = at[i] + (bounded - static_cast<float>(i)) * (at[i + 1] - at[i]);
-  return std::isfinite(x) ? mapped : x;
+  return at[i] + (bounded - static_cast<float>(i)) * (at[i + 1] - at[i]);
 }
 
 glm::vec3 LightMapping::local(glm::vec3 p) const noexcept {

@@ -42,6 +42,12 @@ struct LightMapping {
 /// Columns: unit direction of travel, and two unit axes across it. @throws InputError when it has no direction
 glm::mat3 light_axes(glm::vec3 to_light);
 
+/// NaN where p is not finite, else 0: added to a result, a caller's error stays visible.
+inline float not_finite(glm::vec3 p) noexcept {
+  const float sum = p.x + p.y + p.z;
+  return sum - sum;
+}
+
 struct Box {
   glm::vec3 low{0.0F}, high{0.0F};
   glm::vec3 extent() const noexcept { return high - low; }

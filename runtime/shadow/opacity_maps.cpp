@@ -18,10 +18,6 @@ namespace {
 constexpr int kMargin = 2;  // pixels that stay empty around the hair
 using Clock = std::chrono::steady_clock;
 
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 struct Picture {
   LightMapping mapping;  // x in metres from the first hair
   Box box;
@@ -43,11 +39,6 @@ Picture picture_of(const Strands& strands, float opacity, const Light& light, in
   p.mapping.offset = -p.box.low * p.mapping.cells_per_unit + glm::vec3(0, kMargin, kMargin);
   p.pixels = glm::ivec2(static_cast<int>(extent.y / pixel_m), static_cast<int>(extent.z / pixel_m)) + 2 * kMargin + 1;
   return p;
-}
-
-float not_finite(glm::vec3 p) noexcept {
-  const float sum = p.x + p.y + p.z;
-  return sum - sum;
 }
 
 }  // namespace
