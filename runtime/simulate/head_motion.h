@@ -1,4 +1,9 @@
-// Motions of the head: built-in shakes, nods, turns, a jump, a dance-like sequence, or keyframes.
+// Motions of the head: built-in shakes, nods, turns, a jump, a dance-like sequence, which repeat, or keyframes.
+//
+// Keyframes pass through every key with continuous velocity: cubic pieces with slopes that do not overshoot
+// [Fritsch1984] in space, and the like for rotations [Kim1995: cumulative Bernstein basis], always the shorter way
+// round. Where the first key is later than 0, the head's rest at time 0 is a key too. The built-in motions have the
+// same bits on every CPU; keyframes use the C library's trigonometry.
 #pragma once
 
 #include "pelage/data_schema/simulation_settings.h"
