@@ -1,8 +1,5 @@
 #include "pelage/simulate/centre_lines.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/ext/quaternion_common.hpp>
@@ -12,6 +9,7 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/simulate/for_strands.h"
 #include "pelage/simulate/moving_line.h"
 #include "pelage/simulate/smooth_strand.h"
 
@@ -21,16 +19,10 @@ namespace {
 using glm::dvec3;
 using glm::vec3;
 
-constexpr std::size_t kStrandsPerTask = 64;
 constexpr double kHalfWidth = 2;          // of the hat, in segments
 constexpr int kSamples = 8;               // of the smooth strand per segment
 constexpr double kChordTolerance = 1e-8;  // of a chord
 constexpr int kRounds = 200;
-
-template <class Work>
-void for_strands(std::size_t count, const Work& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kStrandsPerTask), work);
-}
 
 void check(const Strands& hair, int vertices) {
   if (vertices < 2)
@@ -130,6 +122,32 @@ void resample_diameters(std::span<const float> from, std::span<float> to) noexce
   }
 }
 
+/// Places of a strand's vertices on its line, by arc length: as far along as the smoothed strand has come.
+void place_strand(std::span<const vec3> strand, std::span<const vec3> line, const glm::quat& first,
+                  std::span<Riders::Place> places) {
+  const std::size_t segments = line.size() - 1;
+  SmoothStrand smooth;
+  smooth.set(strand);
+  const double width = segments > 0 ? half_width(smooth.length_m(), static_cast<int>(segments)) : 0.0;
+  std::vector<double> along(strand.size(), 0.0);
+  dvec3 last(strand[0]);
+  for (std::size_t i = 1; i < strand.size(); ++i) {
+    const dvec3 p = smooth.at(smooth.arc_m(i), width);
+    along[i] = along[i - 1] + glm::distance(last, p);
+    last = p;
+  }
+  MovingLine moving;
+  moving.set(line, first);
+  for (std::size_t i = 0; i < strand.size(); ++i) {
+    const double at = along.back() > 0 ? along[i] / along.back() * static_cast<double>(segments) : 0.0;
+    Riders::Place& place = places[i];
+    place.segment = static_cast<std::uint32_t>(std::min(at, std::max(static_cast<double>(segments) - 1, 0.0)));
+    place.fraction = static_cast<float>(std::min(at - place.segment, 1.0));
+    const vec3 offset = strand[i] - moving.point(place.segment, place.fraction);
+    place.offset = turned(glm::conjugate(moving.frame(place.segment, place.fraction)), offset);
+  }
+}
+
 }  // namespace
 
 Strands centre_lines(const Strands& hair, int vertices) {
@@ -138,17 +156,17 @@ Strands centre_lines(const Strands& hair, int vertices) {
   const std::size_t count = hair.count();
   std::vector<double> hair_length(count), length(count);
   std::vector<int> smoothing(count);  // segments that the window was chosen for
-  for_strands(count, [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+  for_strands(count, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
       const std::span<const vec3> strand = hair.strand(s);
       for (std::size_t i = 1; i < strand.size(); ++i)
         hair_length[s] += glm::distance(dvec3(strand[i - 1]), dvec3(strand[i]));
     }
   });
   const double longest_hair = count > 0 ? *std::max_element(hair_length.begin(), hair_length.end()) : 0.0;
-  for_strands(count, [&](const auto& range) {
+  for_strands(count, [&](std::size_t begin, std::size_t end) {
     LineMaker maker;
-    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+    for (std::size_t s = begin; s < end; ++s) {
       if (hair.strand(s).empty()) continue;
       smoothing[s] = segments_of(hair_length[s], longest_hair, most, hair.strand(s).size());
       length[s] = maker.smooth(hair.strand(s), smoothing[s]);
@@ -167,9 +185,9 @@ Strands centre_lines(const Strands& hair, int vertices) {
   }
   lines.vertices.resize(lines.offsets.back());
   if (!hair.diameters_m.empty()) lines.diameters_m.resize(lines.vertices.size());
-  for_strands(count, [&](const auto& range) {
+  for_strands(count, [&](std::size_t begin, std::size_t end) {
     LineMaker maker;
-    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+    for (std::size_t s = begin; s < end; ++s) {
       const std::size_t first = lines.offsets[s], n = lines.offsets[s + 1] - first;
       if (n == 0) continue;
       maker.smooth(hair.strand(s), smoothing[s]);
@@ -182,8 +200,7 @@ Strands centre_lines(const Strands& hair, int vertices) {
   return lines;
 }
 
-StrandDetail::StrandDetail(const Strands& hair, const Strands& lines)
-    : offsets_(hair.offsets), line_offsets_(lines.offsets), places_(hair.vertices.size()), first_(hair.count()) {
+StrandDetail::StrandDetail(const Strands& hair, const Strands& lines) {
   if (lines.count() != hair.count()) {
     throw InputError("centre lines",
                      std::to_string(lines.count()) + " for " + std::to_string(hair.count()) + " strands");
@@ -194,53 +211,15 @@ StrandDetail::StrandDetail(const Strands& hair, const Strands& lines)
     if (lines.strand(s).empty() && !hair.strand(s).empty())
       throw InputError("centre line " + std::to_string(s), "has no vertices, its strand has");
   }
-  for_strands(hair.count(), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s) place_strand(hair, lines, s);
+  riders_ = Riders(hair.offsets, lines);
+  for_strands(hair.count(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s)
+      if (!hair.strand(s).empty()) place_strand(hair.strand(s), lines.strand(s), riders_.first[s], riders_.strand(s));
   });
-}
-
-/// Places go by arc length: as far along the line as the smoothed strand has come.
-void StrandDetail::place_strand(const Strands& hair, const Strands& lines, std::size_t s) {
-  const std::span<const vec3> strand = hair.strand(s), line = lines.strand(s);
-  first_[s] = first_frame(line);
-  if (strand.empty()) return;
-  const std::size_t segments = line.size() - 1;
-  SmoothStrand smooth;
-  smooth.set(strand);
-  const double width = segments > 0 ? half_width(smooth.length_m(), static_cast<int>(segments)) : 0.0;
-  std::vector<double> along(strand.size(), 0.0);
-  dvec3 last(strand[0]);
-  for (std::size_t i = 1; i < strand.size(); ++i) {
-    const dvec3 p = smooth.at(smooth.arc_m(i), width);
-    along[i] = along[i - 1] + glm::distance(last, p);
-    last = p;
-  }
-  MovingLine moving;
-  moving.set(line, first_[s]);
-  for (std::size_t i = 0; i < strand.size(); ++i) {
-    const double at = along.back() > 0 ? along[i] / along.back() * static_cast<double>(segments) : 0.0;
-    Place& place = places_[hair.offsets[s] + i];
-    place.segment = static_cast<std::uint32_t>(std::min(at, std::max(static_cast<double>(segments) - 1, 0.0)));
-    place.fraction = static_cast<float>(std::min(at - place.segment, 1.0));
-    const vec3 offset = strand[i] - moving.point(place.segment, place.fraction);
-    place.offset = turned(glm::conjugate(moving.frame(place.segment, place.fraction)), offset);
-  }
 }
 
 void StrandDetail::apply(const Strands& lines, const glm::dquat& turn, Strands& out) const {
-  PELAGE_ASSERT(lines.offsets == line_offsets_ && out.offsets == offsets_);
-  const glm::quat turn_f(turn);
-  for_strands(first_.size(), [&](const auto& range) {
-    MovingLine line;
-    for (std::size_t s = range.begin(); s < range.end(); ++s) {
-      if (offsets_[s] == offsets_[s + 1]) continue;
-      line.set(lines.strand(s), turn_f * first_[s]);
-      for (std::size_t v = offsets_[s]; v < offsets_[s + 1]; ++v) {
-        const Place& p = places_[v];
-        out.vertices[v] = line.point(p.segment, p.fraction) + turned(line.frame(p.segment, p.fraction), p.offset);
-      }
-    }
-  });
+  riders_.ride(lines, turn, out.vertices);
 }
 
 }  // namespace pelage

@@ -8,13 +8,10 @@
 // strands straight; then cut into equal chords. Between its vertices a line is a Catmull-Rom curve.
 #pragma once
 
-#include <cstdint>
 #include <glm/ext/quaternion_double.hpp>
-#include <glm/ext/quaternion_float.hpp>
-#include <glm/vec3.hpp>
-#include <vector>
 
 #include "pelage/data_schema/strands.h"
+#include "pelage/simulate/riders.h"
 
 namespace pelage {
 
@@ -35,16 +32,7 @@ class StrandDetail {
   void apply(const Strands& lines, const glm::dquat& turn, Strands& out) const;
 
  private:
-  struct Place {
-    std::uint32_t segment;
-    float fraction;    // of the segment, [0, 1]
-    glm::vec3 offset;  // from the line, in the frame there [m]
-  };
-  void place_strand(const Strands& hair, const Strands& lines, std::size_t s);
-
-  std::vector<std::uint32_t> offsets_, line_offsets_;  // [strands + 1]
-  std::vector<Place> places_;                          // [hair's vertices]
-  std::vector<glm::quat> first_;                       // [strands] frame of the root at rest
+  Riders riders_;
 };
 
 }  // namespace pelage
