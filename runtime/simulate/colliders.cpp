@@ -7,8 +7,7 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
-
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#include "pelage/simulate/lane_loops.h"
 
 namespace pelage {
 namespace {
@@ -53,6 +52,12 @@ SurfaceMotion motion_of(const RigidPose& before, const RigidPose& after) {
   return {vec3(after.position - before.position), glm::mat3(dmat3(1) - turn)};
 }
 
+Mesh relative_to(const dvec3& pivot, const Mesh& mesh) {
+  Mesh moved{{}, {}, mesh.triangles};
+  for (const vec3& v : mesh.vertices) moved.vertices.emplace_back(dvec3(v) - pivot);
+  return moved;
+}
+
 // Over lanes --------------------------------------------------------------------------------------------------------
 
 /// Vectors from the nearest point of something to each lane's point.
@@ -77,6 +82,7 @@ float per_length_sq(const vec3& ab) noexcept {
 
 PELAGE_CLONES void away_from_segment(const vec3 a, const vec3 ab, const float per_sq, const Lanes3& points,
                                      Away& out) noexcept {
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const vec3 w = from_segment({points.x[l], points.y[l], points.z[l]}, a, ab, per_sq);
     out.way.x[l] = w.x, out.way.y[l] = w.y, out.way.z[l] = w.z;
@@ -85,6 +91,7 @@ PELAGE_CLONES void away_from_segment(const vec3 a, const vec3 ab, const float pe
 }
 
 void keep_nearer(const Away& from, Away& into) noexcept {
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     if (!(from.dist_sq.v[l] < into.dist_sq.v[l])) continue;
     into.way.x[l] = from.way.x[l], into.way.y[l] = from.way.y[l], into.way.z[l] = from.way.z[l];
@@ -97,6 +104,7 @@ void away_from_face(const vec3& a, const vec3& b, const vec3& c, const Lanes3& p
   const vec3 n = glm::cross(b - a, c - a);
   const float n_sq = glm::dot(n, n);
   if (!(n_sq > kOnAxis_m2)) return;
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const vec3 p(points.x[l], points.y[l], points.z[l]);
     const bool inside = glm::dot(glm::cross(b - a, p - a), n) >= 0 && glm::dot(glm::cross(c - b, p - b), n) >= 0 &&
@@ -120,35 +128,63 @@ void away_from_sheet(const CapsuleSolid& s, const Lanes3& points, Away& out) noe
   away_from_face(s.b, s.c, s.d, points, out);
 }
 
-/// Takes over the solid's surface where it is the nearest so far.
-PELAGE_CLONES void take(const CapsuleSolid& s, const Lanes3& points, const Away& away, Nearest& out) noexcept {
-  const vec3 o = s.motion.offset_m, fallback = s.normal;
-  const glm::mat3 turn = s.motion.turn;
-  const float radius_m = s.radius_m;
+PELAGE_CLONES void squares(const Lanes3& v, Lanes& out) noexcept {
+  PELAGE_EACH_LANE
+  for (int l = 0; l < kLanes; ++l) out.v[l] = v.x[l] * v.x[l] + v.y[l] * v.y[l] + v.z[l] * v.z[l];
+}
+
+PELAGE_CLONES void turn_lanes(const glm::mat3 turn, const Lanes3& v, Lanes3& out) noexcept {
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
-    const float length = std::sqrt(away.dist_sq.v[l]), distance = length - radius_m;
-    const bool digits = away.dist_sq.v[l] > kOnAxis_m2, nearer = distance < out.distance.v[l];
+    const float x = v.x[l], y = v.y[l], z = v.z[l];
+    out.x[l] = turn[0].x * x + turn[1].x * y + turn[2].x * z;
+    out.y[l] = turn[0].y * x + turn[1].y * y + turn[2].y * z;
+    out.z[l] = turn[0].z * x + turn[1].z * y + turn[2].z * z;
+  }
+}
+
+/// Distance from a rounded axis, and the normal there.
+PELAGE_CLONES void round_off(const Away& away, const float radius_m, const vec3 on_axis, Lanes& distance,
+                             Lanes3& normal) noexcept {
+  PELAGE_EACH_LANE
+  for (int l = 0; l < kLanes; ++l) {
+    const float length = std::sqrt(away.dist_sq.v[l]);
+    const bool digits = away.dist_sq.v[l] > kOnAxis_m2;
     const float per = 1.0F / (digits ? length : 1.0F);
-    const float nx = digits ? away.way.x[l] * per : fallback.x, ny = digits ? away.way.y[l] * per : fallback.y,
-                nz = digits ? away.way.z[l] * per : fallback.z;
-    const float qx = points.x[l] - distance * nx, qy = points.y[l] - distance * ny, qz = points.z[l] - distance * nz;
-    const float mx = o.x + turn[0].x * qx + turn[1].x * qy + turn[2].x * qz;
-    const float my = o.y + turn[0].y * qx + turn[1].y * qy + turn[2].y * qz;
-    const float mz = o.z + turn[0].z * qx + turn[1].z * qy + turn[2].z * qz;
-    out.distance.v[l] = nearer ? distance : out.distance.v[l];
-    out.normal.x[l] = nearer ? nx : out.normal.x[l];
-    out.normal.y[l] = nearer ? ny : out.normal.y[l];
-    out.normal.z[l] = nearer ? nz : out.normal.z[l];
+    distance.v[l] = length - radius_m;
+    normal.x[l] = digits ? away.way.x[l] * per : on_axis.x;
+    normal.y[l] = digits ? away.way.y[l] * per : on_axis.y;
+    normal.z[l] = digits ? away.way.z[l] * per : on_axis.z;
+  }
+}
+
+/// Takes a surface over where it is the nearest so far.
+PELAGE_CLONES void take(const Lanes& distance, const Lanes3& n, const Lanes3& points, const SurfaceMotion& motion,
+                        Nearest& out) noexcept {
+  const vec3 o = motion.offset_m;
+  const glm::mat3 turn = motion.turn;
+  PELAGE_EACH_LANE
+  for (int l = 0; l < kLanes; ++l) {
+    const float d = distance.v[l];
+    const bool nearer = d < out.distance.v[l];
+    const float x = points.x[l] - d * n.x[l], y = points.y[l] - d * n.y[l], z = points.z[l] - d * n.z[l];
+    const float mx = o.x + (turn[0].x * x + turn[1].x * y + turn[2].x * z);
+    const float my = o.y + (turn[0].y * x + turn[1].y * y + turn[2].y * z);
+    const float mz = o.z + (turn[0].z * x + turn[1].z * y + turn[2].z * z);
+    out.distance.v[l] = nearer ? d : out.distance.v[l];
+    out.normal.x[l] = nearer ? n.x[l] : out.normal.x[l];
+    out.normal.y[l] = nearer ? n.y[l] : out.normal.y[l];
+    out.normal.z[l] = nearer ? n.z[l] : out.normal.z[l];
     out.displacement.x[l] = nearer ? mx : out.displacement.x[l];
     out.displacement.y[l] = nearer ? my : out.displacement.y[l];
     out.displacement.z[l] = nearer ? mz : out.displacement.z[l];
   }
 }
 
-float least(const Lanes& a) noexcept {
-  float m = a.v[0];
-  for (int l = 1; l < kLanes; ++l) m = a.v[l] < m ? a.v[l] : m;
-  return m;
+PELAGE_CLONES bool any_within(const Lanes& a, const float most) noexcept {
+  int within = 0;
+  for (int l = 0; l < kLanes; ++l) within |= a.v[l] <= most ? 1 : 0;
+  return within != 0;
 }
 
 void set_far(Nearest& out) noexcept {
@@ -164,20 +200,30 @@ void nearest_solid(const CapsuleSolid& s, const Lanes3& points, float reach_m, N
   else
     away_from_segment(s.a, s.b - s.a, per_length_sq(s.b - s.a), points, away);
   const float within_m = s.radius_m + reach_m;
-  if (least(away.dist_sq) <= within_m * within_m) take(s, points, away, out);
+  if (!any_within(away.dist_sq, within_m * within_m)) return;
+  Lanes distance;
+  Lanes3 normal;
+  round_off(away, s.radius_m, s.normal, distance, normal);
+  take(distance, normal, points, s.motion, out);
 }
 
 }  // namespace
 
-Colliders::Colliders(const CollisionSettings& settings, const Mesh&, const dvec3& pivot)
+Colliders::Colliders(const CollisionSettings& settings, const Mesh& head, const dvec3& pivot)
     : capsules_(settings.capsules), rest_pivot_(pivot) {
   for (std::size_t k = 0; k < capsules_.size(); ++k) check(capsules_[k], k);
+  if (settings.head && !head.triangles.empty()) {
+    if (!(settings.field_cell_m > 0 && settings.field_cell_m < kLargest_m))
+      throw UsageError("field cell of " + std::to_string(settings.field_cell_m) + " m: give more than 0");
+    auto field = std::make_shared<const MeshDistance>(relative_to(pivot, head), settings.field_cell_m);
+    if (!field->empty()) field_ = std::move(field);
+  }
   const RigidPose rest{pivot, {1, 0, 0, 0}};
   move(rest, rest, 0, 0);
 }
 
 bool Colliders::empty() const noexcept {
-  return capsules_.empty();
+  return capsules_.empty() && !field_;
 }
 
 CapsuleSolid Colliders::solid_of(const ColliderCapsule& c, const RigidPose& before, const RigidPose& after,
@@ -217,6 +263,7 @@ CapsuleSolid Colliders::solid_of(const ColliderCapsule& c, const RigidPose& befo
 
 void Colliders::move(const RigidPose& before, const RigidPose& after, double time_s, double step_s) {
   head_motion_ = motion_of(before, after);
+  head_turn_ = glm::mat3(glm::mat3_cast(after.rotation));
   solids_.clear();
   for (const ColliderCapsule& c : capsules_) solids_.push_back(solid_of(c, before, after, time_s, step_s));
 }
@@ -224,6 +271,19 @@ void Colliders::move(const RigidPose& before, const RigidPose& after, double tim
 void Colliders::nearest(const Lanes3& points, float reach_m, Nearest& out) const noexcept {
   set_far(out);
   for (const CapsuleSolid& s : solids_) nearest_solid(s, points, reach_m, out);
+  if (field_) nearest_of_field(points, reach_m, out);
+}
+
+void Colliders::nearest_of_field(const Lanes3& points, float reach_m, Nearest& out) const noexcept {
+  Lanes3 in_head, normal;
+  Lanes distance;
+  squares(points, distance);
+  const float within_m = field_->radius_m() + reach_m;
+  if (!any_within(distance, within_m * within_m)) return;
+  turn_lanes(glm::transpose(head_turn_), points, in_head);
+  if (!field_->sample(in_head, reach_m, distance, normal)) return;
+  turn_lanes(head_turn_, normal, in_head);
+  take(distance, in_head, points, head_motion_, out);
 }
 
 }  // namespace pelage

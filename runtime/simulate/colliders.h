@@ -15,6 +15,7 @@
 
 #include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/simulation_settings.h"
+#include "pelage/simulate/mesh_distance.h"
 #include "pelage/simulate/rigid_pose.h"
 #include "pelage/simulate/strand_blocks.h"
 
@@ -54,13 +55,19 @@ class Colliders {
   /// Distance to the union of all, where it matters: beyond `reach_m` any distance > reach_m will do.
   void nearest(const Lanes3& points, float reach_m, Nearest& out) const noexcept;
 
+  /// The head's field in the head's axes, relative to the pivot; null without a head.
+  const MeshDistance* field() const noexcept { return field_.get(); }
+
  private:
+  void nearest_of_field(const Lanes3& points, float reach_m, Nearest& out) const noexcept;
   CapsuleSolid solid_of(const ColliderCapsule& capsule, const RigidPose& before, const RigidPose& after, double time_s,
                         double step_s) const;
 
   std::vector<ColliderCapsule> capsules_;
   glm::dvec3 rest_pivot_;
+  std::shared_ptr<const MeshDistance> field_;
   SurfaceMotion head_motion_;
+  glm::mat3 head_turn_{1};            // from the head's axes to the world's
   std::vector<CapsuleSolid> solids_;  // as they are during the step
 };
 

@@ -16,7 +16,6 @@ using glm::dquat;
 using glm::dvec3;
 
 constexpr double kPi = 3.141592653589793;
-constexpr double kRadians = kPi / 180;
 
 // Periods of the built-in motions [s]; each ends at rest, so that hair can settle before it begins again.
 constexpr double kShake_s = 4, kNod_s = 4, kTurn_s = 3.2, kJump_s = 4, kDance_s = 8;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "pelage/data_schema/errors.h"
+#include "test_meshes.h"
 
 namespace pelage {
 namespace {
@@ -195,6 +196,69 @@ TEST(Colliders, DistanceIsOneLipschitz) {
     const Nearest at_a = ask(colliders, a), at_b = ask(colliders, b);
     for (std::size_t l = 0; l < kLanes; ++l)
       EXPECT_LE(std::abs(at_a.distance.v[l] - at_b.distance.v[l]), glm::distance(a[l], b[l]) + 1e-6F);
+  }
+}
+
+/// A head of uneven shape somewhere far from the origin.
+Mesh head_at(const dvec3& pivot) {
+  Mesh head = round_mesh(4, [](vec3 d) { return 0.0625F * (1 + 0.5F * std::max(d.z, 0.0F)); });
+  for (vec3& v : head.vertices) v = vec3(pivot + dvec3(v));
+  return head;
+}
+
+TEST(Colliders, TheHeadsFieldGoesWithTheHead) {
+  const dvec3 pivot(2, -3, 1);
+  const Colliders resting(CollisionSettings{}, head_at(pivot), pivot);
+  Colliders moved = resting;
+  const RigidPose before{pivot + dvec3(0.10, 0.2, 0.3), glm::angleAxis(1.00, glm::normalize(dvec3(1, 2, 3)))};
+  const RigidPose after{pivot + dvec3(0.11, 0.2, 0.3), glm::angleAxis(1.05, glm::normalize(dvec3(1, 2, 3)))};
+  moved.move(before, after, 1, kStep_s);
+  EXPECT_FALSE(moved.empty());
+  ASSERT_NE(moved.field(), nullptr);
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const std::vector<vec3> points = random_points(seed, 0.1F);
+    std::vector<vec3> turned;
+    for (const vec3& p : points) turned.push_back(vec3(after.rotation * dvec3(p)));
+    const Nearest a = ask(resting, points, 0.02F), b = ask(moved, turned, 0.02F);
+    expect_unit_and_finite(b);
+    for (int l = 0; l < kLanes; ++l) {
+      if (a.distance.v[l] > 0.02F) continue;
+      EXPECT_NEAR(a.distance.v[l], b.distance.v[l], 1e-6F);
+      const dvec3 n = after.rotation * dvec3(lane(a.normal, l));
+      EXPECT_GT(glm::dot(n, dvec3(lane(b.normal, l))), 0.999);
+      const dvec3 q =
+          dvec3(lane(lanes_of(turned), l)) - static_cast<double>(b.distance.v[l]) * dvec3(lane(b.normal, l));
+      const dvec3 was = before.position + before.rotation * (glm::conjugate(after.rotation) * q);
+      EXPECT_LT(glm::distance(dvec3(lane(b.displacement, l)), after.position + q - was), 1e-6);
+    }
+  }
+}
+
+TEST(Colliders, TheHeadIsLeftOutWhereAsked) {
+  CollisionSettings s;
+  s.head = false;
+  EXPECT_TRUE(Colliders(s, head_at(dvec3(0)), dvec3(0)).empty());
+  s.head = true;
+  s.field_cell_m = NAN;
+  EXPECT_THROW(Colliders(s, head_at(dvec3(0)), dvec3(0)), UsageError);
+  Mesh broken = head_at(dvec3(0));
+  broken.vertices[2].z = INFINITY;
+  EXPECT_THROW(Colliders(CollisionSettings{}, broken, dvec3(0)), InputError);
+}
+
+TEST(Colliders, ARootInsideIsLedOutAcrossOverlappingSolids) {
+  // Inside both the head and a capsule that overlaps it: a few pushes along the normals lead out of both.
+  const Colliders colliders(settings({{.from = {0, 0, 0}, .to = {0.1F, 0, 0}, .radius_m = 0.05F}}), head_at(dvec3(0)),
+                            dvec3(0));
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::vector<vec3> points = random_points(seed, 0.06F);
+    for (int push = 0; push < 40; ++push) {
+      const Nearest n = ask(colliders, points, 0.01F);
+      for (int l = 0; l < kLanes; ++l)
+        if (n.distance.v[l] < 0) points[static_cast<std::size_t>(l)] -= n.distance.v[l] * lane(n.normal, l);
+    }
+    const Nearest n = ask(colliders, points, 0.01F);
+    for (int l = 0; l < kLanes; ++l) EXPECT_GT(n.distance.v[l], -1e-3F);
   }
 }
 
