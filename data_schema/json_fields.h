@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace pelage::json_fields {
 
@@ -96,6 +97,11 @@ ordered_json put(const std::optional<T>& value) {
   return value ? put(*value) : ordered_json();
 }
 
+template <class T>
+void get(const json& j, std::vector<T>& values);
+template <class T>
+ordered_json put(const std::vector<T>& values);
+
 template <class S>
 concept Struct = requires(S& s) {
   fields([](const char*, auto&) {}, s);
@@ -117,6 +123,18 @@ ordered_json put(S value) {
         if (ordered_json written = put(std::as_const(member)); !written.is_null()) j[key] = std::move(written);
       },
       value);
+  return j;
+}
+
+template <class T>
+void get(const json& j, std::vector<T>& values) {
+  values.assign(j.size(), T{});
+  for (std::size_t i = 0; i < j.size(); ++i) get(j[i], values[i]);
+}
+template <class T>
+ordered_json put(const std::vector<T>& values) {
+  ordered_json j = ordered_json::array();
+  for (const T& value : values) j.push_back(put(value));
   return j;
 }
 

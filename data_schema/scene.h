@@ -12,6 +12,7 @@
 
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/hairstyle.h"
+#include "pelage/data_schema/simulation_settings.h"
 #include "pelage/data_schema/strand_settings.h"
 
 namespace pelage {
@@ -99,6 +100,7 @@ struct Scene {
   ShadowSettings shadow;
   TruthSettings truth;
   ImageSettings image;
+  SimulationSettings simulation = simulation_preset("hold-shape");
   BakeSettings bake;
   int clusters = 150;  // when hair is strands: clusters to fit, [1, 10000]
   Division division;   // when hair is strands

@@ -7,6 +7,7 @@
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/json_file.h"
 #include "pelage/data_schema/scene.h"
+#include "pelage/data_schema/simulation_settings_fields.h"
 #include "pelage/data_schema/validate.h"
 
 namespace pelage::json_fields {
@@ -163,6 +164,7 @@ void fields(F&& f, Scene& s) {
   f("shadow", s.shadow);
   f("truth", s.truth);
   f("image", s.image);
+  f("simulation", s.simulation);
   f("bake", s.bake);
 }
 
@@ -171,7 +173,7 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-// The three keys that are not plain values: an absent camera, "transparent", and a material's name.
+// The keys that are not plain values: an absent camera, "transparent", the name of a material or simulation.
 struct SceneReader {
   const json& document;
 
@@ -180,15 +182,16 @@ struct SceneReader {
     if (const auto found = document.find(key); found != document.end()) read(*found, member);
   }
   void read(const json& j, std::optional<Camera>& camera) const { json_fields::get(j, camera.emplace()); }
-  void read(const json& j, std::vector<Light>& lights) const {
-    lights.assign(j.size(), Light{});
-    for (std::size_t i = 0; i < j.size(); ++i) json_fields::get(j[i], lights[i]);
-  }
   void read(const json& j, HairMaterial& material) const {
     if (j.is_string())
       material = material_preset(j.get<std::string>());
     else
       json_fields::get(j, material);
+  }
+  void read(const json& j, SimulationSettings& simulation) const {
+    const json name = j.is_string() ? j : j.value("name", json());
+    if (name.is_string()) simulation = simulation_preset(name.get<std::string>());
+    if (j.is_object()) json_fields::get(j, simulation);
   }
   void read(const json& j, ImageSettings& image) const { fields(SceneReader{j}, image); }
   void read(const json& j, std::optional<glm::vec3>& background) const {
@@ -210,10 +213,6 @@ struct SceneWriter {
   }
   static void write(ordered_json& j, const char* key, std::optional<Camera>& camera) {
     if (camera) j[key] = json_fields::put(*camera);
-  }
-  static void write(ordered_json& j, const char* key, std::vector<Light>& lights) {
-    ordered_json& list = j[key] = ordered_json::array();
-    for (const Light& light : lights) list.push_back(json_fields::put(light));
   }
   static void write(ordered_json& j, const char* key, ImageSettings& image) {
     fields(SceneWriter{j[key] = ordered_json::object()}, image);

@@ -56,10 +56,11 @@ struct CurlSettings {
 };
 
 struct ShapeSettings {
-  float hold_rad_s = 0;    // omega of the pull back to the groom's own shape at the root; 0: none; [0, 1000]
-  float hold_tip = 0.25F;  // omega at the tip as a share of that, [0, 1]
-  float cone_deg = 0;      // a segment at the root bends by at most this; 0: no limit; [0, 90]
-  float cone_end = 0.4F;   // share of the strand after which the limit has grown to 90 degrees and is gone, (0, 1]
+  float hold_rad_s = 0;   // omega of the pull back to the groom's own shape at the root; 0: none; [0, 1000]
+  float hold_tip = 0.5F;  // omega at the tip as a share of that, [0, 1]
+  bool sag_free = false;  // the groom's own shape bears gravity already: upright and at rest nothing sags
+  float cone_deg = 0;     // a segment at the root bends by at most this; 0: no limit; [0, 90]
+  float cone_end = 0.4F;  // share of the strand after which the limit has grown to 90 degrees and is gone, (0, 1]
   CurlSettings curl;
   bool operator==(const ShapeSettings&) const = default;
 };
@@ -105,6 +106,7 @@ struct MotionSettings {
 struct LifeSettings {
   double step_s = 1.0 / 480;   // internal step, [1/2000, 1/60]
   double catch_up_s = 0.25;    // longest time simulated for one frame; what is beyond is dropped, (0, 100]
+  double settle_s = 1;         // simulated before a sequence's first frame, [0, 100]
   float max_speed_m_s = 0;     // cap of the kinematic velocity; 0: none
   float explosion_m_s = 300;   // faster than this is an error, > 0
   float sleep_m_s = 0.002F;    // a strand slower than this for `sleep_after_s` sleeps; 0: never
@@ -113,10 +115,10 @@ struct LifeSettings {
 };
 
 struct SimulationSettings {
-  std::string name = "hold-shape";  // of the preset that it began with
-  int vertices = 16;                // of the longest strand's centre line, [2, 256]; shorter ones have fewer
-  bool detail = true;               // what the centre line leaves out rides on it; off: the centre line is the hair
-  int wisps = 0;                    // 0: every strand is simulated; else guides: three for each wisp; [0, 100000]
+  std::string name = "loose";  // of the preset that it began with
+  int vertices = 16;           // of the longest strand's centre line, [2, 256]; shorter ones have fewer
+  bool detail = true;          // what the centre line leaves out rides on it; off: the centre line is the hair
+  int wisps = 0;               // 0: every strand is simulated; else guides: three for each wisp; [0, 100000]
   ChainSettings chain;
   InteractionSettings interaction;
   WindSettings wind;

@@ -27,7 +27,8 @@ const json& schema_document(const std::string& file) {
       {"hairstyle.schema.json", json::parse(schema_texts::hairstyle_schema_json)},
       {"scene.schema.json", json::parse(schema_texts::scene_schema_json)},
       {"bake.schema.json", json::parse(schema_texts::bake_schema_json)},
-      {"material.schema.json", json::parse(schema_texts::material_schema_json)}};
+      {"material.schema.json", json::parse(schema_texts::material_schema_json)},
+      {"simulation.schema.json", json::parse(schema_texts::simulation_schema_json)}};
   return documents.at(file);
 }
 

@@ -40,12 +40,18 @@ void expect_defaults(const json& schema, const json& values, const std::string& 
     if (key == "version" || key == "hair" || !values.contains(key)) continue;
     if (property.contains("properties")) {
       expect_defaults(property, values[key], at + "/" + key);
-    } else if (key == "material") {
+    } else if (key == "material" || key == "simulation") {
       EXPECT_EQ(values[key]["name"], property["default"]);
     } else if (property.contains("default")) {
       EXPECT_EQ(values[key], property["default"]) << at << "/" << key;
     }
   }
+}
+
+void expect_same_keys(const json& schema, const json& values, const std::string& at) {
+  EXPECT_EQ(values.size(), schema["properties"].size()) << at;
+  for (const auto& [key, property] : schema["properties"].items())
+    if (property.contains("properties")) expect_same_keys(property, values[key], at + "/" + key);
 }
 
 TEST(SceneJson, DocumentedDefaultsAreTheDefaults) {
@@ -54,16 +60,19 @@ TEST(SceneJson, DocumentedDefaultsAreTheDefaults) {
   EXPECT_EQ(scene.hair, (folder / "x.hair").string());
   EXPECT_EQ(to_json(scene.bake), to_json(BakeSettings{}));
   scene.camera = Camera{};
+  const json simulation = resolved_schema("scene")["properties"]["simulation"]["oneOf"][1];
   const json written = json::parse(to_json(scene)), schema = resolved_schema("scene");
   expect_defaults(schema, written, "");
   expect_defaults(schema["properties"]["lights"]["items"], written["lights"][0], "/lights/0");
   expect_defaults(resolved_schema("material"), written["material"], "/material");
+  expect_defaults(simulation, written["simulation"], "/simulation");
   // Every key of the schema is written, so none was forgotten by the code.
   for (const char* group : {"satf", "image", "bake", "division", "camera"})
     EXPECT_EQ(written[group].size() + schema["properties"][group]["properties"].count("version"),
               schema["properties"][group]["properties"].size())
         << group;
   EXPECT_EQ(written.size(), schema["properties"].size());
+  expect_same_keys(simulation, written["simulation"], "/simulation");
   EXPECT_EQ(written["material"].size() + 1, resolved_schema("material")["properties"].size());
 }
 
@@ -90,10 +99,37 @@ TEST(SceneJson, EachKeyIsRead) {
       R"("extent_m":0.75,"adaptive_slices":true},"opacity_map":{"resolution":44,"layers":3,"slices":55}},)"
       R"("truth":{"rays":66,"footprint_m":0.25,"samples":77,"stop_below":0.125,"azimuth":false},)"
       R"("image":{"width":10,"height":11,"supersampling":3,"exposure":2.5,"background":"transparent"},)"
+      R"("simulation":{"name":"wet","vertices":9,"detail":false,"wisps":8,)"
+      R"("chain":{"solver":"tridiagonal","iterations":7,"ftl_correction":0.75,"gravity":[1.0,2.0,3.0],)"
+      R"("damping_per_s":5.5},"interaction":{"cell_m":0.02,"friction_per_s":1.5,"repulsion_m_s2":2.5,)"
+      R"("repulsion":"overfull","overfull":3.5},"wind":{"velocity_m_s":[4.0,5.0,6.0],"gust":0.75,"gust_s":2.5,)"
+      R"("gust_m":0.5,"drag_per_s":3.5,"shelter":0.5},"shape":{"hold_rad_s":4.5,"hold_tip":0.125,"sag_free":true,)"
+      R"("cone_deg":44.0,"cone_end":0.75,"curl":{"radius_m":0.0625,"pitch_m":0.5,"frequency_growth":1.5,"start":0.5,)"
+      R"("phase_spread":0.75,"subdivision":6}},"collision":{"head":false,"margin_m":0.03125,"friction":0.75,)"
+      R"("field_cell_m":0.0625,"capsules":[{"from":[1.0,2.0,3.0],"to":[4.0,5.0,6.0],"radius_m":0.5,)"
+      R"("velocity_m_s":[7.0,8.0,9.0],"with_head":true}]},"motion":{"kind":"keyframes","amplitude":2.5,"speed":1.5,)"
+      R"("keys":[{"time_s":1.5,"position_m":[1.0,2.0,3.0],"turn_deg":[4.0,5.0,6.0]}]},"life":{"step_s":0.001953125,)"
+      R"("catch_up_s":0.5,"settle_s":2.0,"max_speed_m_s":7.0,"explosion_m_s":8.0,"sleep_m_s":0.25,)"
+      R"("sleep_after_s":1.5}},)"
       R"("bake":{"seed":9007199254740991,"sectors":3,"grid":9,"sigma":0.02,"views":4,"lights":5,"samples":6,)"
       R"("smoothing":0.5,"reference_scale":0.05,"max_path":2.0,"early_stop":0.5,"max_strands":7.0,)"
       R"("phong":{"diffuse":1.0,"specular":2.0,"exponent":3.0},"features":"paper3","storage":"half"}})";
   EXPECT_EQ(to_json(load_scene(folder.write("s.json", text))), text);
+}
+
+TEST(SceneJson, SimulationIsAPresetOrChangesOne) {
+  const test::TemporaryFolder folder;
+  const auto simulation = [&](const std::string& text) {
+    return load_scene(folder.write("s.json", R"({"version": 1, "hair": "x", "simulation": )" + text + "}")).simulation;
+  };
+  EXPECT_EQ(simulation(R"("curly")"), simulation_preset("curly"));
+  SimulationSettings wet = simulation_preset("wet");
+  wet.chain.damping_per_s = 3;
+  EXPECT_EQ(simulation(R"({"name": "wet", "chain": {"damping_per_s": 3}})"), wet);
+  SimulationSettings otherwise = simulation_preset("hold-shape");
+  otherwise.wisps = 5;
+  EXPECT_EQ(simulation(R"({"wisps": 5})"), otherwise);
+  EXPECT_THAT(message_of<UsageError>([] { simulation_preset("curl"); }), HasSubstr("\"curly\""));
 }
 
 TEST(SceneJson, ImpossibleScenesAreRefused) {
