@@ -66,7 +66,7 @@ def rows(node, file, prefix=""):
 
 
 def tables():
-    for name in ("hairstyle", "scene", "bake", "material"):
+    for name in ("hairstyle", "scene", "simulation", "bake", "material"):
         file = f"{name}.schema.json"
         schema = json.loads((FOLDER / "schemas" / file).read_text())
         yield f"### {schema['title']}: `schemas/{file}`\n"

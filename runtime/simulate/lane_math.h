@@ -1,0 +1,52 @@
+// Private to this box: three floats per lane. Plain arithmetic on values, so that loops over lanes become vectors.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "pelage/simulate/strand_blocks.h"
+
+// One version of a loop per kind of CPU; -ffp-contract=off gives all of them the same bits. What such a function calls
+// is inlined into each version, or it stays the slowest.
+#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#define PELAGE_INLINE inline __attribute__((always_inline))
+
+namespace pelage {
+
+struct Vec {
+  float x, y, z;
+};
+PELAGE_INLINE Vec operator+(Vec a, Vec b) noexcept {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+PELAGE_INLINE Vec operator-(Vec a, Vec b) noexcept {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+PELAGE_INLINE Vec operator*(float s, Vec a) noexcept {
+  return {s * a.x, s * a.y, s * a.z};
+}
+PELAGE_INLINE float dot(Vec a, Vec b) noexcept {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+PELAGE_INLINE Vec choose(bool first, Vec a, Vec b) noexcept {
+  return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
+}
+PELAGE_INLINE Vec load(const Lanes3& a, int lane) noexcept {
+  return {a.x[lane], a.y[lane], a.z[lane]};
+}
+PELAGE_INLINE void store(Lanes3& a, int lane, Vec v) noexcept {
+  a.x[lane] = v.x;
+  a.y[lane] = v.y;
+  a.z[lane] = v.z;
+}
+/// Squares below this have lost their digits: lengths under 1e-12 m are no direction.
+inline constexpr float kNoLengthSq = 1e-24F;
+
+/// v / |v|, or `otherwise` where v has no length.
+PELAGE_INLINE Vec direction(Vec v, Vec otherwise) noexcept {
+  const float sq = dot(v, v);
+  const float inverse = 1.0F / std::sqrt(sq > kNoLengthSq ? sq : 1.0F);
+  return choose(sq > kNoLengthSq, inverse * v, otherwise);
+}
+
+}  // namespace pelage
