@@ -8,12 +8,25 @@
 
 namespace pelage {
 
+/// What a segment without length points along.
+inline constexpr Vec kDown{0, -1, 0};
+
 /// A block's strands during one step.
 struct ChainBlock {
   std::uint32_t first, length;
-  Lanes3 root_shift;  // of each root during the step [m]
-  Lanes along;        // 1 / (vertices - 1)
+  std::uint32_t whole;  // vertices that all lanes have; 0 where one has no strand or no length
+  Lanes3 root_shift;    // of each root during the step [m]
+  Lanes along;          // 1 / (vertices - 1)
+  Lanes vertices, segment_m;
 };
+
+/// What a step reads and writes of all blocks; at hand, so that loops need not ask the vectors.
+struct ChainArrays {
+  Lanes3 *position, *velocity, *impulse;
+};
+inline ChainArrays arrays_of(StrandBlocks& s) noexcept {
+  return {s.position.data(), s.velocity.data(), s.impulse.data()};
+}
 
 struct Matrix {  // of floats, by rows
   Vec x, y, z;
@@ -26,13 +39,14 @@ PELAGE_INLINE Vec operator*(const Matrix& m, Vec v) noexcept {
 }
 
 /// Length of the segment that ends at vertex i: 0 beyond a strand's own vertices.
-PELAGE_INLINE float segment(const StrandBlocks& s, std::size_t block, std::uint32_t i, int lane) noexcept {
-  return static_cast<float>(i) < s.vertices[block].v[lane] ? s.segment_m[block].v[lane] : 0.0F;
+PELAGE_INLINE float segment(const ChainBlock& b, std::uint32_t i, int lane) noexcept {
+  const float count = b.vertices.v[lane], length = b.segment_m.v[lane];
+  return static_cast<float>(i) < count ? length : 0.0F;
 }
 
 /// Roots to the end of the step.
 PELAGE_INLINE ChainBlock begin_block(StrandBlocks& s, std::size_t block, const ChainStep& step) noexcept {
-  ChainBlock b{s.first[block], s.length(block), {}, {}};
+  ChainBlock b{s.first[block], s.length(block), 0, {}, {}, s.vertices[block], s.segment_m[block]};
   const Matrix turn = rows_of(step.turn), change = rows_of(step.turn_change);
   const Vec shift{step.shift.x, step.shift.y, step.shift.z};
   const float per_s = 1.0F / step.step_s;
@@ -47,6 +61,9 @@ PELAGE_INLINE ChainBlock begin_block(StrandBlocks& s, std::size_t block, const C
     store(s.impulse[b.first], l, {0, 0, 0});
     b.along.v[l] = 1.0F / std::max(s.vertices[block].v[l] - 1.0F, 1.0F);
   }
+  float whole = static_cast<float>(b.length);
+  for (int l = 0; l < kLanes; ++l) whole = std::min(whole, b.segment_m.v[l] > 0.0F ? b.vertices.v[l] : 0.0F);
+  b.whole = static_cast<std::uint32_t>(whole);
   return b;
 }
 
@@ -110,34 +127,31 @@ PELAGE_INLINE void place(const Placing& p, Lanes3& at) noexcept {
 void collide(const StrandBlocks& s, const ChainBlock& b, std::size_t block, std::uint32_t i, const ChainStep& step,
              Placing& p, Lanes3& at) noexcept;
 
-/// Kinematic velocity of a group that goes to `at`; the greatest square so far is kept.
+/// Kinematic velocity of a group that goes to `at`; the greatest squared displacement so far is kept.
 PELAGE_INLINE void arrive(StrandBlocks& s, const ChainBlock& b, std::uint32_t vertex, float per_s, float damping,
-                          const Lanes3& at, Lanes& fastest) noexcept {
+                          const Lanes3& at, Lanes& moved) noexcept {
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) {
     const Vec p = load(at, l);
-    const Vec v = per_s * (p - load(s.position[vertex], l) + load(b.root_shift, l));
-    const float sq = dot(v, v);
-    fastest.v[l] = sq > fastest.v[l] ? sq : fastest.v[l];
-    store(s.velocity[vertex], l, damping * v);
+    const Vec d = p - (load(s.position[vertex], l) - load(b.root_shift, l));
+    const float sq = dot(d, d);
+    moved.v[l] = sq > moved.v[l] ? sq : moved.v[l];
+    store(s.velocity[vertex], l, (damping * per_s) * d);
     store(s.position[vertex], l, p);
   }
 }
 
-/// Squared speeds of the roots, to be exceeded.
-PELAGE_INLINE void begin_fastest(const StrandBlocks& s, const ChainBlock& b, Lanes& fastest) noexcept {
-  for (int l = 0; l < kLanes; ++l) {
-    const Vec v = load(s.velocity[b.first], l);
-    fastest.v[l] = dot(v, v);
-  }
+/// Squared displacements of the roots, to be exceeded.
+PELAGE_INLINE void begin_moved(const ChainBlock& b, Lanes& moved) noexcept {
+#pragma GCC ivdep
+  for (int l = 0; l < kLanes; ++l) moved.v[l] = dot(load(b.root_shift, l), load(b.root_shift, l));
 }
 
-/// Axis of the first segment's cone: its direction at rest; without a cone only what a segment without length points
-/// along.
+/// Axis of the first segment's cone: its direction at rest.
 PELAGE_INLINE void begin_along(const StrandBlocks& s, const ChainBlock& b, const Matrix& turn, Lanes3& along) noexcept {
   const Lanes3& rest = s.rest[b.first + std::min(b.length - 1, 1U)];
 #pragma GCC ivdep
-  for (int l = 0; l < kLanes; ++l) store(along, l, direction(turn * load(rest, l), {0, -1, 0}));
+  for (int l = 0; l < kLanes; ++l) store(along, l, direction(turn * load(rest, l), kDown));
 }
 
 /// The comparison solvers' step of one block. @return greatest squared speed

@@ -12,13 +12,13 @@ constexpr float kDegrees = 0.017453293F;
 
 /// Follow-the-leader of one group: q is where it would like to be; out: its direction from the leader, and as the
 /// leader's impulse what the constraint alone moved it by.
-PELAGE_INLINE void follow(const StrandBlocks& s, std::size_t block, std::uint32_t i, float correction_per_s,
-                          const Lanes3& wish, Placing& p, Lanes3& leader_impulse) noexcept {
+PELAGE_INLINE void follow(const ChainBlock& b, std::uint32_t i, float correction_per_s, const Lanes3& wish, Placing& p,
+                          Lanes3& leader_impulse) noexcept {
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) {
-    const float length = segment(s, block, i, l);
+    const float length = segment(b, i, l);
     const Vec q = load(wish, l), before = load(p.before, l);
-    const Vec along = direction(q - before, load(p.along, l));
+    const Vec along = direction(q - before, kDown);
     const Vec d = before + length * along - q;
     store(leader_impulse, l, choose(length > 0.0F, -correction_per_s * d, Vec{0, 0, 0}));
     store(p.along, l, along);
@@ -38,81 +38,108 @@ Factors factors_of(const ChainStep& step) noexcept {
       h, 1.0F / h, step.chain.ftl_correction / h, std::exp(-step.chain.damping_per_s * h), {fall.x, fall.y, fall.z}};
 }
 
-float greatest(const Lanes& lanes) noexcept {
-  return *std::max_element(lanes.v, lanes.v + kLanes);
-}
-
 /// The fast road: nothing but gravity and inextensibility, all of a vertex in one loop.
-PELAGE_INLINE void follow_freely(StrandBlocks& s, std::size_t block, const ChainBlock& b, std::uint32_t i,
-                                 const Factors& f, Placing& p, Lanes& fastest) noexcept {
-  const std::uint32_t vertex = b.first + i;
+/// @tparam kWhole  every lane has a segment here: no masks
+/// @param moved  out: greatest squared displacement of a vertex so far [m^2]
+template <bool kWhole>
+PELAGE_INLINE void follow_freely(const ChainArrays& s, const ChainBlock& b, std::uint32_t i, const Factors f,
+                                 Lanes& moved) noexcept {
+  Lanes3* const __restrict position = s.position + b.first + i, * const __restrict velocity = s.velocity + b.first + i, * const __restrict impulse = s.impulse + b.first + i;
+  const float velocity_per_m = f.damping * f.per_s;
 #pragma GCC ivdep
+#pragma GCC unroll 1
   for (int l = 0; l < kLanes; ++l) {
-    const float length = segment(s, block, i, l);
-    const Vec x = load(s.position[vertex], l) - load(b.root_shift, l);
-    const Vec q = x + f.h * (load(s.velocity[vertex], l) + load(s.impulse[vertex], l)) + f.fall;
-    const Vec before = load(p.before, l);
-    const Vec along = direction(q - before, load(p.along, l));
-    const Vec at = before + length * along;
-    const Vec v = f.per_s * (at - x);
-    const float sq = dot(v, v);
-    fastest.v[l] = sq > fastest.v[l] ? sq : fastest.v[l];
-    store(s.impulse[vertex - 1], l, choose(length > 0.0F, -f.correction_per_s * (at - q), Vec{0, 0, 0}));
-    store(s.velocity[vertex], l, f.damping * v);
-    store(s.position[vertex], l, at);
-    store(p.along, l, along);
-    store(p.before, l, at);
+    const float length = kWhole ? b.segment_m.v[l] : segment(b, i, l);
+    const float correction = kWhole || length > 0.0F ? -f.correction_per_s : 0.0F;
+    const Vec x = load(position[0], l) - load(b.root_shift, l);
+    const Vec q = x + f.h * (load(velocity[0], l) + load(impulse[0], l)) + f.fall;
+    const Vec before = load(position[-1], l);
+    const Vec at = before + length * direction(q - before, kDown);
+    const Vec d = at - x;
+    const float sq = dot(d, d);
+    moved.v[l] = sq > moved.v[l] ? sq : moved.v[l];
+    store(impulse[-1], l, correction * (at - q));
+    store(velocity[0], l, velocity_per_m * d);
+    store(position[0], l, at);
   }
 }
 
-PELAGE_INLINE void follow_constrained(StrandBlocks& s, std::size_t block, const ChainBlock& b, std::uint32_t i,
-                                      const ChainStep& step, const Matrix& turn, const Factors& f, Placing& p,
-                                      Lanes& fastest) noexcept {
+/// A block on its way from root to tip.
+struct Walk {
+  ChainBlock block;
+  Placing place;
+  Lanes moved;
+};
+
+PELAGE_INLINE void follow_constrained(StrandBlocks& s, std::size_t block, std::uint32_t i, const ChainStep& step,
+                                      const Matrix& turn, const Factors& f, Walk& w) noexcept {
+  const ChainBlock& b = w.block;
+  Placing& p = w.place;
   const std::uint32_t vertex = b.first + i;
   Lanes3 wish, at, before_along = p.along;
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) store(wish, l, predicted(s, b, vertex, l, f.h, f.fall));
   if (step.hold_rad_s > 0) hold_shape(s, b, i, step, turn, wish);
-  follow(s, block, i, f.correction_per_s, wish, p, s.impulse[vertex - 1]);
+  follow(b, i, f.correction_per_s, wish, p, s.impulse[vertex - 1]);
   if (!step.cone_cos.empty()) keep_in_cone(step.cone_cos[vertex], before_along, p.along);
   place(p, at);
   if (step.colliders != nullptr) collide(s, b, block, i, step, p, at);
-  arrive(s, b, vertex, f.per_s, f.damping, at, fastest);
+  arrive(s, b, vertex, f.per_s, f.damping, at, w.moved);
   p.before = at;
 }
 
-/// Blocks whose roads are walked side by side: the next vertex of a strand waits for the one before, another block's
-/// does not.
-constexpr std::size_t kTogether = 2;
+PELAGE_INLINE void begin_walk(StrandBlocks& s, std::size_t block, const ChainStep& step, Walk& w) noexcept {
+  w.block = begin_block(s, block, step);
+  begin_along(s, w.block, rows_of(step.turn), w.place.along);
+  w.place.before = Lanes3{};
+  begin_moved(w.block, w.moved);
+}
 
-PELAGE_CLONES void step_dftl(StrandBlocks& s, std::size_t begin, std::size_t end, const ChainStep& step,
-                             const Factors& f, bool free, float* fastest) noexcept {
-  const Matrix turn = rows_of(step.turn);
-  for (std::size_t first = begin; first < end; first += kTogether) {
-    const std::size_t n = std::min(kTogether, end - first);
-    ChainBlock blocks[kTogether];
-    Placing places[kTogether] = {};
-    Lanes speeds[kTogether];
-    std::uint32_t longest = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      blocks[k] = begin_block(s, first + k, step);
-      begin_along(s, blocks[k], turn, places[k].along);
-      begin_fastest(s, blocks[k], speeds[k]);
-      longest = std::max(longest, blocks[k].length);
-    }
-    for (std::uint32_t i = 1; i < longest; ++i)
-      for (std::size_t k = 0; k < n; ++k) {
-        if (i >= blocks[k].length) continue;
-        if (free)
-          follow_freely(s, first + k, blocks[k], i, f, places[k], speeds[k]);
-        else
-          follow_constrained(s, first + k, blocks[k], i, step, turn, f, places[k], speeds[k]);
-      }
-    for (std::size_t k = 0; k < n; ++k) {
-      s.impulse[blocks[k].first + blocks[k].length - 1] = Lanes3{};
-      fastest[first + k] = greatest(speeds[k]);
-    }
+PELAGE_INLINE float end_walk(StrandBlocks& s, const Walk& w, const Factors& f) noexcept {
+  s.impulse[w.block.first + w.block.length - 1] = Lanes3{};
+  return *std::max_element(w.moved.v, w.moved.v + kLanes) * (f.per_s * f.per_s);
+}
+
+PELAGE_INLINE void walk_on(const ChainArrays& arrays, std::uint32_t from, const Factors f, Walk& w) noexcept {
+  std::uint32_t i = from;
+  for (; i < w.block.whole; ++i) follow_freely<true>(arrays, w.block, i, f, w.moved);
+  for (; i < w.block.length; ++i) follow_freely<false>(arrays, w.block, i, f, w.moved);
+}
+
+/// Two blocks side by side: the next vertex of a strand waits for the one before, another block's does not.
+PELAGE_CLONES void walk_two(StrandBlocks& s, std::size_t first, const ChainStep& step, float* fastest) noexcept {
+  const Factors f = factors_of(step);
+  const ChainArrays arrays = arrays_of(s);
+  Walk a, b;
+  begin_walk(s, first, step, a);
+  begin_walk(s, first + 1, step, b);
+  const std::uint32_t both = std::max(1U, std::min(a.block.whole, b.block.whole));
+  for (std::uint32_t i = 1; i < both; ++i) {
+    follow_freely<true>(arrays, a.block, i, f, a.moved);
+    follow_freely<true>(arrays, b.block, i, f, b.moved);
   }
+  walk_on(arrays, both, f, a);
+  walk_on(arrays, both, f, b);
+  fastest[first] = end_walk(s, a, f);
+  fastest[first + 1] = end_walk(s, b, f);
+}
+
+PELAGE_CLONES void walk_one(StrandBlocks& s, std::size_t block, const ChainStep& step, float* fastest) noexcept {
+  const Factors f = factors_of(step);
+  Walk w;
+  begin_walk(s, block, step, w);
+  walk_on(arrays_of(s), 1, f, w);
+  fastest[block] = end_walk(s, w, f);
+}
+
+PELAGE_CLONES void walk_constrained(StrandBlocks& s, std::size_t block, const ChainStep& step,
+                                    float* fastest) noexcept {
+  const Matrix turn = rows_of(step.turn);
+  const Factors f = factors_of(step);
+  Walk w;
+  begin_walk(s, block, step, w);
+  for (std::uint32_t i = 1; i < w.block.length; ++i) follow_constrained(s, block, i, step, turn, f, w);
+  fastest[block] = end_walk(s, w, f);
 }
 
 /// Cosine between the segments that end and begin at vertex i - 1 at rest; 1 where there is one only.
@@ -128,15 +155,19 @@ float bend_cosine(const StrandBlocks& s, std::size_t block, std::uint32_t i, int
 
 void step_chains(StrandBlocks& blocks, std::size_t begin, std::size_t end, const ChainStep& step,
                  std::span<float> fastest) noexcept {
-  const Factors f = factors_of(step);
-  if (step.chain.solver == ChainSolver::dftl) {
-    const bool free = step.hold_rad_s <= 0 && step.cone_cos.empty() && step.colliders == nullptr;
-    step_dftl(blocks, begin, end, step, f, free, fastest.data());
+  const bool dftl = step.chain.solver == ChainSolver::dftl;
+  if (dftl && step.hold_rad_s <= 0 && step.cone_cos.empty() && step.colliders == nullptr) {
+    std::size_t b = begin;
+    for (; b + 1 < end; b += 2) walk_two(blocks, b, step, fastest.data());
+    if (b < end) walk_one(blocks, b, step, fastest.data());
     return;
   }
   for (std::size_t b = begin; b < end; ++b) {
-    fastest[b] = step.chain.solver == ChainSolver::position_based ? step_position_based(blocks, b, step)
-                                                                  : step_tridiagonal(blocks, b, step);
+    if (dftl)
+      walk_constrained(blocks, b, step, fastest.data());
+    else
+      fastest[b] = step.chain.solver == ChainSolver::position_based ? step_position_based(blocks, b, step)
+                                                                    : step_tridiagonal(blocks, b, step);
   }
 }
 

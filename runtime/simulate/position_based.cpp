@@ -10,7 +10,7 @@ void relax(RelaxedChain& chain, std::uint32_t i) noexcept {
     const Vec a = load(chain.at[i - 1], l), b = load(chain.at[i], l);
     const float wa = chain.weights[i - 1].v[l], wb = chain.weights[i].v[l];
     const Vec d = b - a;
-    const Vec missing = chain.segments[i].v[l] * direction(d, {0, -1, 0}) - d;
+    const Vec missing = chain.segments[i].v[l] * direction(d, kDown) - d;
     const bool real = chain.segments[i].v[l] > 0.0F && wa + wb > 0.0F;
     const float share = real ? 1.0F / (wa + wb) : 0.0F;
     store(chain.at[i - 1], l, a - share * wa * missing);

@@ -48,7 +48,7 @@ RelaxedChain begin_relaxed(StrandBlocks& s, std::size_t block, const ChainStep& 
   for (std::uint32_t i = 0; i < n; ++i) {
     for (int l = 0; l < kLanes; ++l) {
       const bool tip = step.pin_tips && static_cast<float>(i + 1) >= s.vertices[block].v[l];
-      chain.segments[i].v[l] = i == 0 ? 0.0F : segment(s, block, i, l);
+      chain.segments[i].v[l] = i == 0 ? 0.0F : segment(chain.block, i, l);
       chain.weights[i].v[l] = i == 0 || tip ? 0.0F : 1.0F;
       const Vec free = predicted(s, chain.block, chain.block.first + i, l, h, {g.x, g.y, g.z});
       const Vec pinned = turn * load(s.rest[chain.block.first + i], l);
@@ -62,14 +62,14 @@ RelaxedChain begin_relaxed(StrandBlocks& s, std::size_t block, const ChainStep& 
 float finish_relaxed(StrandBlocks& s, std::size_t block, const ChainStep& step, RelaxedChain& chain) {
   repeat_tips(chain);
   if (!step.cone_cos.empty() || step.colliders != nullptr) turn_segments(s, block, step, chain);
-  Lanes fastest;
-  begin_fastest(s, chain.block, fastest);
-  const float damping = std::exp(-step.chain.damping_per_s * step.step_s);
+  Lanes moved;
+  begin_moved(chain.block, moved);
+  const float damping = std::exp(-step.chain.damping_per_s * step.step_s), per_s = 1.0F / step.step_s;
   for (std::uint32_t i = 1; i < chain.block.length; ++i) {
-    arrive(s, chain.block, chain.block.first + i, 1.0F / step.step_s, damping, chain.at[i], fastest);
+    arrive(s, chain.block, chain.block.first + i, per_s, damping, chain.at[i], moved);
     s.impulse[chain.block.first + i] = Lanes3{};
   }
-  return *std::max_element(fastest.v, fastest.v + kLanes);
+  return *std::max_element(moved.v, moved.v + kLanes) * (per_s * per_s);
 }
 
 }  // namespace pelage

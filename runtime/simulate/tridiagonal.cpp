@@ -18,7 +18,7 @@ void linearise(const RelaxedChain& chain, Rows& rows) noexcept {
     for (int l = 0; l < kLanes; ++l) {
       const Vec d = load(chain.at[i], l) - load(chain.at[i - 1], l);
       const bool real = chain.segments[i].v[l] > 0.0F;
-      store(rows.u[i], l, direction(d, {0, -1, 0}));
+      store(rows.u[i], l, direction(d, kDown));
       rows.wrong[i].v[l] = real ? std::sqrt(dot(d, d)) - chain.segments[i].v[l] : 0.0F;
       rows.diagonal[i].v[l] = real ? chain.weights[i - 1].v[l] + chain.weights[i].v[l] : 1.0F;
     }
