@@ -1,13 +1,22 @@
 // Voxel grid of hair: density and velocity of the strands around a place, and what they do to a vertex: friction,
 // repulsion, shelter from the wind. [Almeida2014 section 3.2, eqs. 3.2-3.5; Petrovic2005; Mueller2012]
+// Formulas: grid_nodes.h. Sparse: only bricks of 4^3 cells that hold vertices exist (grid_frame.h). The same bits for
+// any number of threads and on any CPU (grid_deposit.h).
+//
+// A vertex far from all other hair, farther than the directory's kMostBricks reach (5 m at cells of 1 cm, half a metre
+// at 1 mm, around the median root), is a stray: it has no neighbours; only the wind blows on it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "pelage/data_schema/simulation_settings.h"
+#include "pelage/simulate/grid_deposit.h"
+#include "pelage/simulate/grid_nodes.h"
 #include "pelage/simulate/strand_blocks.h"
+#include "pelage/simulate/wind.h"
 
 namespace pelage {
 
@@ -21,16 +30,51 @@ struct GridStep {
 
 class VoxelGrid {
  public:
+  static constexpr std::uint32_t kMostBricks = 1U << 21;  // 8 MiB of directory
+
+  /// @throws UsageError for a cell that is not finite and above 0
   VoxelGrid(const InteractionSettings& interaction, const WindSettings& wind);
 
-  /// Density that counts as ordinary: the median of what vertices find at rest [m of hair per m^3].
+  /// Density that counts as ordinary: the median of what vertices find at rest [m of hair per m^3]. Else the first
+  /// build() does it.
   void set_rest_density(const StrandBlocks& blocks);
+  float rest_density() const noexcept { return rest_density_; }
+
+  /// Neither friction, repulsion nor wind: build() and apply() return at once.
+  bool idle() const noexcept { return !interacts() && wind_.still(); }
 
   /// Eqs. 3.2, 3.3 of all blocks; every vertex carries the length of its segments.
   void build(const StrandBlocks& blocks, const GridStep& step);
 
-  /// Friction, repulsion and wind on the kinematic velocities of vertices 1.. of the blocks that are awake.
+  /// Friction, repulsion and wind on the kinematic velocities of vertices 1.. of the blocks that are awake, which are
+  /// where they were when build() saw them. Wind that nothing shelters from needs no grid: build() does nothing then.
   void apply(StrandBlocks& blocks, const GridStep& step) const;
+
+  /// After build(): sets stirred[block] = 1 for the blocks asleep (step.awake) that have a vertex in a brick where hair
+  /// moves, on the mean of a node, faster than this.
+  void wake(const StrandBlocks& blocks, const GridStep& step, std::span<std::uint8_t> stirred, float wake_m_s) const;
+
+  /// Of the last build, at a point of the grid frame [m].
+  float density(const glm::vec3& p) const noexcept;
+  glm::vec3 velocity(const glm::vec3& p) const noexcept;
+  std::size_t bricks() const noexcept { return nodes_.bricks(); }
+  std::size_t used_nodes() const noexcept { return nodes_.used_nodes(); }
+  std::size_t strays() const noexcept;
+  std::size_t bytes() const noexcept;
+
+ private:
+  bool interacts() const noexcept { return interaction_.friction_per_s > 0 || interaction_.repulsion_m_s2 > 0; }
+  bool needs_grid() const noexcept { return interacts() || (!wind_.still() && shelter_ > 0); }
+  void deposit(const StrandBlocks& blocks);
+  float interpolate(int quantity, const glm::vec3& p) const noexcept;
+
+  InteractionSettings interaction_;
+  float drag_per_s_, shelter_;
+  float cells_per_m_;
+  float rest_density_ = 0;  // 0: not known yet
+  Wind wind_;
+  std::vector<grid::Deposit> deposits_;
+  grid::Nodes nodes_;
 };
 
 }  // namespace pelage
