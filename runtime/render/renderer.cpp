@@ -51,9 +51,9 @@ Renderer::Renderer() : gl_(std::make_unique<Resources>()) {
 }
 Renderer::~Renderer() = default;
 
-void Renderer::set_hair(const HairSurfaces& surfaces, const SatfModel& model, std::span<const Cluster> clusters) {
+void Renderer::set_surfaces(const HairSurfaces& surfaces) {
   glBindVertexArray(gl_->hair_array.id());
-  gl_->hair_vertices.upload(GL_ARRAY_BUFFER, std::span<const SurfaceVertex>(surfaces.vertices), GL_STATIC_DRAW);
+  gl_->hair_vertices.upload(GL_ARRAY_BUFFER, std::span<const SurfaceVertex>(surfaces.vertices), GL_DYNAMIC_DRAW);
   vertex_attribute(0, 3, sizeof(SurfaceVertex), offsetof(SurfaceVertex, position));
   vertex_attribute(1, 3, sizeof(SurfaceVertex), offsetof(SurfaceVertex, tangent));
   vertex_attribute(2, 3, sizeof(SurfaceVertex), offsetof(SurfaceVertex, normal));
@@ -62,6 +62,9 @@ void Renderer::set_hair(const HairSurfaces& surfaces, const SatfModel& model, st
   glVertexAttribIPointer(4, 1, GL_UNSIGNED_INT, sizeof(SurfaceVertex),
                          reinterpret_cast<const void*>(offsetof(SurfaceVertex, map_id)));
   vertex_attribute(5, 2, sizeof(SurfaceVertex), offsetof(SurfaceVertex, azimuth));
+}
+
+void Renderer::set_hair(const SatfModel& model, std::span<const Cluster> clusters) {
   const std::vector<MapInfo> infos = map_infos(model, clusters);
   gl_->maps.upload(GL_SHADER_STORAGE_BUFFER, std::span<const MapInfo>(infos), GL_STATIC_DRAW);
   gl_->drift.upload(GL_SHADER_STORAGE_BUFFER, std::span<const float>(model.sectors.drift), GL_STATIC_DRAW);

@@ -35,7 +35,9 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   HeadRenderer& head() noexcept { return head_; }
-  void set_hair(const HairSurfaces& surfaces, const SatfModel& model, std::span<const Cluster> clusters);
+  void set_hair(const SatfModel& model, std::span<const Cluster> clusters);
+  /// Where the hair's layers are: again when clusters have moved.
+  void set_surfaces(const HairSurfaces& surfaces);
   /// [light][texel]
   void set_texels(std::span<const Texel> texels);
   /// plate_views() of the viewer that the texels were built for.

@@ -49,22 +49,50 @@ SatfFrame::SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, cons
     auto stage = ledger_.run("index");
     source_->attach(model_.sectors);
   }
-  {
-    auto stage = ledger_.run("surfaces");
-    surfaces_ = make_surfaces(model_);
-    strands_ = hair_strands(style_, model_);
-    stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
-    renderer_.set_hair(surfaces_, model_, style_.clusters);
-    if (!head_.vertices.empty()) renderer_.head().set_head(head_);
-  }
-  for (const SurfaceVertex& v : surfaces_.vertices) bounds_.add(v.position);
-  for (const glm::vec3& p : head_.vertices) bounds_.add(p);
+  renderer_.set_hair(model_, style_.clusters);
+  if (!head_.vertices.empty()) renderer_.head().set_head(head_);
+  update_surfaces();
 }
 
 SatfFrame::~SatfFrame() = default;
 
+void SatfFrame::move_hair(std::span<const Cluster> clusters) {
+  if (clusters.size() != style_.clusters.size()) {
+    throw InputError("moved clusters", std::to_string(clusters.size()) + " of them, the hairstyle has " +
+                                           std::to_string(style_.clusters.size()));
+  }
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    if (clusters[c].transforms.size() != style_.clusters[c].transforms.size())
+      throw InputError("moved cluster " + std::to_string(c), "has another number of transforms than the hairstyle's");
+    CentreLine(clusters[c].centre_line, clusters[c].first_normal);  // refused before anything has changed
+  }
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    style_.clusters[c].centre_line = clusters[c].centre_line;
+    style_.clusters[c].first_normal = clusters[c].first_normal;
+    style_.clusters[c].transforms = clusters[c].transforms;
+  }
+  moved_ = true;
+}
+
+void SatfFrame::update_surfaces() {
+  auto stage = ledger_.run("surfaces");
+  surfaces_ = make_surfaces(model_);
+  strands_ = hair_strands(style_, model_);
+  stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
+  renderer_.set_surfaces(surfaces_);
+  bounds_ = {};
+  for (const SurfaceVertex& v : surfaces_.vertices) bounds_.add(v.position);
+  for (const glm::vec3& p : head_.vertices) bounds_.add(p);
+}
+
 void SatfFrame::update(const FrameSettings& frame) {
   check_light_count(frame.lights);
+  if (moved_) {
+    place_model(style_, model_);
+    update_surfaces();
+    moved_ = false;
+    last_.reset();
+  }
   if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);
   if (!last_ || !same_maps(*last_, frame)) update_maps(frame);
   if (!last_ || !same_order(*last_, frame)) update_order(frame);

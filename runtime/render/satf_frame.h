@@ -1,13 +1,15 @@
 // SatfFrame: a hairstyle rendered with the SATF, frame after frame. Runs only the stages whose inputs changed:
-//   sectors, index, surfaces   geometry (once)
-//   shadow map, s-maps         light or geometry
-//   maps, upload               view or light
-//   order                      view
+//   sectors, index             what is in the clusters (once)
+//   surfaces                   where they are
+//   shadow map, s-maps         where they are, or light
+//   maps, upload               where they are, view or light
+//   order                      where they are, or view
 //   head, draw, read           every frame
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pelage/data_schema/mesh.h"
@@ -35,6 +37,11 @@ class SatfFrame {
   SatfFrame(Hairstyle style, std::unique_ptr<RecordSource> source, const BakeSettings& bake, Mesh head);
   ~SatfFrame();
 
+  /// The same clusters elsewhere: moving hair [Xu2006 Fig. 8]. Only centre lines, their first normals and transforms
+  /// are taken: density field and records stay, nothing is searched. Seen from the next picture on, bounds() too.
+  /// @throws InputError for clusters that are not those of the hairstyle, or a centre line that cannot be evaluated
+  void move_hair(std::span<const Cluster> clusters);
+
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
   Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples,
                const TilesDone& told = {});
@@ -48,6 +55,7 @@ class SatfFrame {
 
  private:
   void update(const FrameSettings& frame);
+  void update_surfaces();
   void update_shadows(const FrameSettings& frame);
   void update_maps(const FrameSettings& frame);
   void update_order(const FrameSettings& frame);
@@ -65,6 +73,7 @@ class SatfFrame {
   std::vector<std::uint32_t> indices_;
   Bounds bounds_;
   std::optional<FrameSettings> last_;
+  bool moved_ = false;  // since the surfaces were made
   Renderer renderer_;
   PictureOutput output_{GL_RGBA16F};
 };

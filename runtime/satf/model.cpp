@@ -89,6 +89,11 @@ std::size_t SatfModel::track(std::size_t instance, int layer, int sector) const 
          static_cast<std::size_t>(division.plates + 1);
 }
 
+void place_model(const Hairstyle& style, SatfModel& model) {
+  model.instances = instances_of(style);
+  model.mass_per_area = masses_of(model);
+}
+
 SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int samples) {
   if (samples <= 0 || samples % 4 != 0) {
     throw InputError("bake settings", "samples is " + std::to_string(samples) + "; maps need a multiple of 4");
@@ -99,8 +104,7 @@ SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int sampl
   model.profile_sigma = static_cast<float>(bake.sigma * std::sqrt(1.0 + bake.smoothing * bake.smoothing));
   model.max_path = static_cast<float>(bake.max_path);
   model.samples = samples;
-  model.instances = instances_of(style);
-  model.mass_per_area = masses_of(model);
+  place_model(style, model);
   model.track_of = {0};
   for (int j = 0; j < style.division.layers; ++j) {
     model.track_of.push_back(model.track_of.back() + static_cast<std::uint32_t>(sectors_in_layer(style.division, j)));

@@ -1,5 +1,5 @@
 // SatfModel: a hairstyle made ready for re/alpha/s-maps: its instances in the world, its sectors, and where each map
-// lies. Built once per geometry; frames only read it. [Xu2006 sections 3, 6]
+// lies. Built once per hairstyle, placed anew when its clusters move; frames only read it. [Xu2006 sections 3, 6]
 #pragma once
 
 #include <cstddef>
@@ -63,5 +63,9 @@ struct SatfModel {
 
 /// @throws InputError when `samples` is not a multiple of 4 or the division is out of range
 SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int samples);
+
+/// What depends on where clusters are, not on what is in them: instances and their masses. For clusters that have moved
+/// since make_model() and hold the same strands: sectors and all that was looked up for them stay.
+void place_model(const Hairstyle& style, SatfModel& model);
 
 }  // namespace pelage

@@ -222,6 +222,68 @@ TEST_F(Frame, ALaterFrameEqualsAFreshOne) {
   }
 }
 
+/// The three locks blown aside, by more from root to tip.
+Hairstyle blown_locks(float by_m) {
+  Hairstyle style = test::three_locks();
+  for (Cluster& c : style.clusters) {
+    for (std::size_t i = 0; i < c.centre_line.size(); ++i) {
+      const float x = static_cast<float>(i) / 4;
+      c.centre_line[i] += by_m * x * x * glm::vec3(1, 0.3F, 0.5F);
+    }
+    c.first_normal = {0.8F, 0.1F, 0.2F * by_m};
+  }
+  return style;
+}
+
+TEST_F(Frame, MovedHairEqualsAFreshFrameAndSearchesNothing) {
+  const test::TemporaryFolder folder;
+  const Hairstyle style = test::three_locks();
+  const BakeSettings bake = test::small_bake();
+  bake_database(bake, &style, folder / "a.hrir", [](std::uint64_t, std::uint64_t) {});
+  const auto frame_of_style = [&](const Hairstyle& s) {
+    return std::make_unique<SatfFrame>(s, std::make_unique<DatabaseSource>(folder / "a.hrir", LookupSettings{}), bake,
+                                       test::wall());
+  };
+  const auto frame = frame_of_style(style);
+  const FrameSettings settings = front_view();
+  Image last = frame->render(settings, 48, 36, 1);
+  const std::uint64_t searches = frame->source().searches();
+  const auto calls = [&](const char* stage) { return frame->ledger().calls(stage); };
+  for (const float by_m : {0.02F, 0.05F, -0.05F, 0.0F}) {
+    const Hairstyle moved = blown_locks(by_m);
+    frame->move_hair(moved.clusters);
+    const Image now = frame->render(settings, 48, 36, 1);
+    const auto fresh = frame_of_style(moved);
+    EXPECT_EQ(now.rgba, fresh->render(settings, 48, 36, 1).rgba) << by_m;
+    EXPECT_EQ(frame->bounds().low, fresh->bounds().low);
+    EXPECT_EQ(frame->bounds().high, fresh->bounds().high);
+    EXPECT_NE(now.rgba, last.rgba) << by_m;
+    last = now;
+  }
+  EXPECT_EQ(frame->source().searches(), searches);
+  EXPECT_EQ(calls("sectors"), 1U);
+  EXPECT_EQ(calls("index"), 1U);
+  for (const char* stage : {"surfaces", "shadow map", "s-maps", "maps", "upload", "order"}) {
+    EXPECT_EQ(calls(stage), 5U) << stage;
+  }
+  frame->render(settings, 48, 36, 1);
+  EXPECT_EQ(calls("surfaces"), 5U) << "moved once, placed once";
+}
+
+TEST_F(Frame, RefusesToMoveOtherHair) {
+  const auto frame = frame_of(test::three_locks());
+  const Image before = frame->render(front_view(), 32, 32, 1);
+  Hairstyle other = blown_locks(0.05F);
+  other.clusters[2].centre_line[3].y = NAN;
+  EXPECT_THROW(frame->move_hair(other.clusters), InputError);
+  other.clusters.pop_back();
+  EXPECT_THROW(frame->move_hair(other.clusters), InputError);
+  other = blown_locks(0.05F);
+  other.clusters[0].transforms.emplace_back(1.0F);
+  EXPECT_THROW(frame->move_hair(other.clusters), InputError);
+  EXPECT_EQ(frame->render(front_view(), 32, 32, 1).rgba, before.rgba);
+}
+
 TEST_F(Frame, NoHairGivesTheBackground) {
   for (const Hairstyle& style : {test::style_of({}), test::straight_lock(0)}) {
     const auto frame = frame_of(style);
