@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/ext/quaternion_common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <span>
@@ -143,8 +142,7 @@ void place_strand(std::span<const vec3> strand, std::span<const vec3> line, cons
     Riders::Place& place = places[i];
     place.segment = static_cast<std::uint32_t>(std::min(at, std::max(static_cast<double>(segments) - 1, 0.0)));
     place.fraction = static_cast<float>(std::min(at - place.segment, 1.0));
-    const vec3 offset = strand[i] - moving.point(place.segment, place.fraction);
-    place.offset = turned(glm::conjugate(moving.frame(place.segment, place.fraction)), offset);
+    place.offset = moving.offset_of(strand[i], place.segment, place.fraction);
   }
 }
 

@@ -130,7 +130,7 @@ Curls::Curls(const Strands& lines, const CurlSettings& settings) {
       for (std::size_t i = 0; i < places.size(); ++i) {
         const std::size_t segment = std::min(i / k, last);
         const float fraction = static_cast<float>(i - segment * k) / static_cast<float>(k);
-        places[i] = {static_cast<std::uint32_t>(segment), fraction, helix.offset(segment, fraction)};
+        places[i] = {helix.offset(segment, fraction), fraction, static_cast<std::uint32_t>(segment)};
         if (rest_.diameters_m.empty()) continue;
         const float* d = lines.diameters_m.data() + lines.offsets[s] + segment;
         rest_.diameters_m[rest_.offsets[s] + i] = fraction > 0 ? d[0] + fraction * (d[1] - d[0]) : d[0];

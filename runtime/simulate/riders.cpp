@@ -1,5 +1,7 @@
 #include "pelage/simulate/riders.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "pelage/data_schema/errors.h"
@@ -19,8 +21,8 @@ Riders::Riders(std::vector<std::uint32_t> vertex_offsets, const Strands& lines)
 void Riders::ride(std::size_t s, const MovingLine& line, std::span<glm::vec3> out) const noexcept {
   const Place* place = places.data() + offsets[s];
   for (glm::vec3& v : out) {
-    v = line.point(place->segment, place->fraction) +
-        turned(line.frame(place->segment, place->fraction), place->offset);
+    const glm::vec3& o = place->offset;
+    v = MovingLine::vec(line.carried(place->segment, Four{o.x, o.y, o.z, place->fraction}));
     ++place;
   }
 }
@@ -29,11 +31,15 @@ void Riders::ride(const Strands& lines, const glm::dquat& turn, std::span<glm::v
   PELAGE_ASSERT(lines.offsets == line_offsets && out.size() == places.size());
   const glm::quat turn_f(turn);
   for_strands(first.size(), [&](std::size_t begin, std::size_t end) {
-    MovingLine line;
-    for (std::size_t s = begin; s < end; ++s) {
-      if (offsets[s] == offsets[s + 1]) continue;
-      line.set(lines.strand(s), turn_f * first[s]);
-      ride(s, line, out.subspan(offsets[s], offsets[s + 1] - offsets[s]));
+    MovingLines moving;
+    std::array<std::span<const glm::vec3>, kFrameLanes> group;
+    std::array<glm::quat, kFrameLanes> frames;
+    for (std::size_t s = begin; s < end; s += kFrameLanes) {
+      const std::size_t n = std::min(kFrameLanes, end - s);
+      for (std::size_t l = 0; l < n; ++l) group[l] = lines.strand(s + l), frames[l] = turn_f * first[s + l];
+      moving.set(std::span(group).first(n), frames);
+      for (std::size_t l = 0; l < n; ++l)
+        ride(s + l, moving[l], out.subspan(offsets[s + l], offsets[s + l + 1] - offsets[s + l]));
     }
   });
 }

@@ -18,9 +18,9 @@ class MovingLine;
 
 struct Riders {
   struct Place {
-    std::uint32_t segment = 0;
-    float fraction = 0;   // of the segment, [0, 1]
     glm::vec3 offset{0};  // from the line, in the frame there [m]
+    float fraction = 0;   // of the segment, [0, 1]
+    std::uint32_t segment = 0;
   };
   std::vector<std::uint32_t> offsets{0};       // [strands + 1] of what rides
   std::vector<std::uint32_t> line_offsets{0};  // [strands + 1]

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <glm/ext/quaternion_float.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -41,5 +42,12 @@ glm::quat first_frame(std::span<const glm::vec3> line) noexcept;
 /// Frames of all vertices. The first is `first` carried to the line's first direction: give the frame that the line had
 /// at rest, turned with the head, and what rides on the frames turns with the head and does not spin.
 void rotation_frames(std::span<const glm::vec3> line, const glm::quat& first, std::span<glm::quat> frames) noexcept;
+
+inline constexpr std::size_t kFrameLanes = 8;
+
+/// The same of up to kFrameLanes lines at once, one SIMD lane each: the same bits, sooner. Lines may be of different
+/// lengths. @param frames  [line][stride], stride >= the longest line
+void rotation_frames(std::span<const std::span<const glm::vec3>> lines, std::span<const glm::quat> first,
+                     std::span<glm::quat> frames, std::size_t stride) noexcept;
 
 }  // namespace pelage

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/ext/quaternion_common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <string>
@@ -139,7 +138,7 @@ Wisps::Wisps(const Strands& lines, int wisps)
         Riders::Place& place = riders_.strand(s)[i];
         place.segment = static_cast<std::uint32_t>(std::min(i, last));
         place.fraction = i > last ? 1.0F : 0.0F;
-        place.offset = turned(glm::conjugate(moving.vertex_frame(i)), line[i] - mean[i]);
+        place.offset = moving.offset_of(line[i], place.segment, place.fraction);
         if (i > 0) segment_m_[lines.offsets[s] + i] = glm::distance(line[i - 1], line[i]);
       }
       riders_.strand(s)[0].offset = vec3(0);
@@ -167,17 +166,25 @@ void Wisps::interpolate(const Strands& guides, const glm::dquat& turn, Strands& 
   PELAGE_ASSERT(guides.offsets == guides_.offsets && out.offsets == riders_.offsets);
   const glm::quat turn_f(turn);
   for_strands(guidance_.size(), [&](std::size_t begin, std::size_t end) {
-    MovingLine moving;
-    std::vector<vec3> line;
-    for (std::size_t s = begin; s < end; ++s) {
-      const std::size_t first = riders_.offsets[s], n = riders_.offsets[s + 1] - first;
-      if (n == 0) continue;
-      line.resize(n);
-      carrier(guides, s, turned(turn_f, to_root_[s]), line);
-      moving.set(line, turn_f * riders_.first[s]);
-      const std::span<vec3> strand = std::span(out.vertices).subspan(first, n);
-      riders_.ride(s, moving, strand);
-      restore_lengths(strand, segment_m_.data() + first);
+    MovingLines moving;
+    std::vector<vec3> carriers;
+    std::array<std::span<const vec3>, kFrameLanes> group;
+    std::array<glm::quat, kFrameLanes> frames;
+    for (std::size_t s = begin; s < end; s += kFrameLanes) {
+      const std::size_t n = std::min(kFrameLanes, end - s), first = riders_.offsets[s];
+      carriers.resize(riders_.offsets[s + n] - first);
+      for (std::size_t l = 0; l < n; ++l) {
+        const std::size_t vertices = riders_.offsets[s + l + 1] - riders_.offsets[s + l];
+        const std::span<vec3> line = std::span(carriers).subspan(riders_.offsets[s + l] - first, vertices);
+        if (!line.empty()) carrier(guides, s + l, turned(turn_f, to_root_[s + l]), line);
+        group[l] = line, frames[l] = turn_f * riders_.first[s + l];
+      }
+      moving.set(std::span(group).first(n), frames);
+      for (std::size_t l = 0; l < n; ++l) {
+        const std::span<vec3> strand = std::span(out.vertices).subspan(riders_.offsets[s + l], group[l].size());
+        riders_.ride(s + l, moving[l], strand);
+        if (!strand.empty()) restore_lengths(strand, segment_m_.data() + riders_.offsets[s + l]);
+      }
     }
   });
 }

@@ -19,7 +19,8 @@ struct Scene {
     model = make_model(style, bake, source.samples());
     source.attach(model.sectors);
     surfaces = make_surfaces(model);
-    renderer.set_hair(surfaces, model, style.clusters);
+    renderer.set_hair(model, style.clusters);
+    renderer.set_surfaces(surfaces);
     std::vector<Texel> texels(model.texels());
     build_maps(model, source, {frame.camera.eye, glm::normalize(frame.lights[0].direction), frame.satf}, {}, texels);
     renderer.set_texels(texels);
