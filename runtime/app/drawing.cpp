@@ -20,14 +20,20 @@ StrandFrameSettings settings_of(const StrandFrame&, const Scene& scene, const Ca
   return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow};
 }
 
-/// One of the two that draw frames with OpenGL.
+/// Draws frames with OpenGL.
 template <class Frame>
-class FrameDrawing final : public Drawing {
+class FrameDrawing : public Drawing {
  public:
   template <class... Parts>
   explicit FrameDrawing(std::string name, Parts&&... parts)
       : Drawing(std::move(name)), frame_(std::forward<Parts>(parts)...) {}
 
+  Mesh head() const override {
+    if constexpr (requires { frame_.head(); })
+      return frame_.head();
+    else
+      return {};
+  }
   Image render(const Scene& scene, const Camera& camera) override {
     const ImageSettings& p = scene.image;
     std::optional<console::Progress> progress;  // of pictures of several tiles
@@ -46,33 +52,53 @@ class FrameDrawing final : public Drawing {
   }
   const Bounds& bounds() const override { return frame_.bounds(); }
   const StageLedger& ledger() const override { return frame_.ledger(); }
-  std::uint64_t searches() const override {
-    if constexpr (requires { frame_.source(); })
-      return frame_.source().searches();
-    else
-      return 0;
-  }
 
- private:
+ protected:
   Frame frame_;
 };
 
+class StrandDrawing final : public FrameDrawing<StrandFrame> {
+ public:
+  StrandDrawing(StrandHair hair, Mesh head)
+      : FrameDrawing(std::move(hair.name), std::move(hair.strands), hair.opacity, std::move(head)) {}
+  Strands lines() const override { return frame_.strands(); }
+  void move(const Strands& lines, Mesh head) override { frame_.set_geometry(lines, std::move(head)); }
+};
+
+class SatfDrawing final : public FrameDrawing<SatfFrame> {
+ public:
+  SatfDrawing(const Hairstyle& style, std::unique_ptr<RecordSource> records, const BakeSettings& bake, Mesh head)
+      : FrameDrawing(style.name, style, std::move(records), bake, std::move(head)), style_(style) {}
+  Strands lines() const override { return {}; }
+  void move(const Strands& lines, Mesh head) override { (void)lines, (void)head; }
+  std::uint64_t searches() const override { return frame_.source().searches(); }
+
+ private:
+  Hairstyle style_;
+};
+
 std::unique_ptr<Drawing> satf_drawing(const Scene& scene) {
-  Hairstyle style = prepare_hairstyle(scene);
+  const Hairstyle style = prepare_hairstyle(scene);
   BakeSettings bake;
   std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
   console::throw_if_interrupted();
-  std::string name = style.name;
-  return std::make_unique<FrameDrawing<SatfFrame>>(std::move(name), std::move(style), std::move(records), bake,
-                                                   prepare_head(scene));
+  return std::make_unique<SatfDrawing>(style, std::move(records), bake, prepare_head(scene));
 }
 
 class TruthDrawing final : public Drawing {
  public:
-  TruthDrawing(StrandHair hair, Mesh head)
-      : Drawing(hair.name), strands_(std::move(hair.strands)), head_(std::move(head)) {
+  TruthDrawing(StrandHair hair, Mesh head) : Drawing(std::move(hair.name)), opacity_(hair.opacity) {
+    move(hair.strands, std::move(head));
+  }
+  Strands lines() const override { return strands_; }
+  Mesh head() const override { return head_; }
+  void move(const Strands& lines, Mesh head) override {
     auto stage = ledger_.run("hierarchy");
-    scene_.emplace(strands_, hair.opacity, head_.triangles.empty() ? nullptr : &head_);
+    scene_.reset();  // it looks at what follows
+    strands_ = lines;
+    head_ = std::move(head);
+    scene_.emplace(strands_, opacity_, head_.triangles.empty() ? nullptr : &head_);
+    bounds_ = {};
     for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
     for (const glm::vec3& p : head_.vertices) bounds_.add(p);
   }
@@ -104,6 +130,7 @@ class TruthDrawing final : public Drawing {
  private:
   Strands strands_;
   Mesh head_;
+  float opacity_;
   StageLedger ledger_;
   std::optional<FibreScene> scene_;
   Bounds bounds_;
@@ -117,8 +144,7 @@ bool needs_opengl(Method method) noexcept {
 
 std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mesh head) {
   if (method == Method::truth) return std::make_unique<TruthDrawing>(std::move(hair), std::move(head));
-  return std::make_unique<FrameDrawing<StrandFrame>>(std::move(hair.name), std::move(hair.strands), hair.opacity,
-                                                     std::move(head));
+  return std::make_unique<StrandDrawing>(std::move(hair), std::move(head));
 }
 
 std::unique_ptr<Drawing> make_drawing(const Scene& scene) {

@@ -5,7 +5,9 @@
 #include <string>
 
 #include "pelage/app/prepare.h"
+#include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/scene.h"
+#include "pelage/data_schema/strands.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
 #include "pelage/render/stages.h"
@@ -19,6 +21,11 @@ class Drawing {
   virtual Image render(const Scene& scene, const Camera& camera) = 0;
   /// On the window's framebuffer of this size. @throws UsageError where the method has no frames to show
   virtual void show(const Scene& scene, const Camera& camera, int width, int height) = 0;
+  /// What a simulation moves: the strands, or the control polygons of the clusters' centre lines.
+  virtual Strands lines() const = 0;
+  virtual Mesh head() const = 0;
+  /// The same hair with its lines, laid out as they were, and its head moved.
+  virtual void move(const Strands& lines, Mesh head) = 0;
   virtual const Bounds& bounds() const = 0;
   virtual const StageLedger& ledger() const = 0;
   /// Records that were searched for so far; 0 where there are none.

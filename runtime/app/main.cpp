@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   pelage::app::add_cluster(app);
   pelage::app::add_render(app);
   pelage::app::add_view(app);
+  pelage::app::add_simulate(app);
   pelage::app::add_shadow_error(app);
   pelage::app::add_figure(app);
   return pelage::console::run_program(app, argc, argv);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pelage/app/choose.h"
 #include "pelage/console/options.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/render/renderer.h"
@@ -103,15 +104,6 @@ glm::vec3 srgb_colour(const std::string& text) {
     return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F);
   };
   return {linear(rgb >> 16), linear(rgb >> 8), linear(rgb)};
-}
-
-template <class T>
-T choose(const std::map<std::string, T>& known, const std::string& value, const std::string& option) {
-  const auto it = known.find(value);
-  if (it != known.end()) return it->second;
-  std::string list;
-  for (const auto& [name, unused] : known) list += (list.empty() ? "" : ", ") + name;
-  throw UsageError(option + ": '" + value + "' is not one of " + list);
 }
 
 void switch_off(Scene& scene, const std::string& name) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/picture.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
@@ -12,7 +13,6 @@
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/image/image_file.h"
-#include "pelage/image/tone.h"
 #include "pelage/render/gl_context.h"
 
 namespace pelage::app {
@@ -57,11 +57,7 @@ void render(const CLI::App& verb, const RenderOptions& options) {
   const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
   Image image = drawing->render(scene, scene.camera.value_or(framed_camera(drawing->bounds(), aspect)));
   console::throw_if_interrupted();  // an earlier picture stays
-  if (const std::size_t bad = remove_non_finite(image); bad > 0)
-    spdlog::warn("{} values of the picture were not finite", bad);
-  expose(image, picture.exposure);
-  compose_over(image, picture.background);
-  write_image(image, out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
+  write_picture(std::move(image), scene, out);
   if (options.stats) print_stats(*drawing);
   if (!console::common().json) std::printf("%s\n", out.c_str());
 }

@@ -11,6 +11,7 @@ void add_convert(CLI::App& app);
 void add_cluster(CLI::App& app);
 void add_render(CLI::App& app);
 void add_view(CLI::App& app);
+void add_simulate(CLI::App& app);
 void add_shadow_error(CLI::App& app);
 void add_figure(CLI::App& app);
 

@@ -51,10 +51,15 @@ HairMaterial material_of(const HairMaterial& material, StrandLobes lobes) noexce
 
 // Half floats would lose faint fragments: 2^-11 of what is there already vanishes, and thin strands are fainter.
 StrandFrame::StrandFrame(Strands strands, float opacity, Mesh head)
-    : opacity_(opacity), head_(std::move(head)), output_(GL_RGBA32F) {
+    : opacity_(opacity), output_(GL_RGBA32F) {
   if (!(opacity >= 0.0F && opacity <= 1.0F)) {
     throw InputError("opacity", std::to_string(opacity) + " is outside [0, 1]");
   }
+  set_geometry(std::move(strands), std::move(head));
+}
+
+void StrandFrame::set_geometry(Strands strands, Mesh head) {
+  head_ = std::move(head);
   if (!head_.vertices.empty()) renderer_.head().set_head(head_);
   set_strands(std::move(strands));
 }

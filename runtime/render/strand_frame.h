@@ -54,6 +54,8 @@ class StrandFrame {
 
   /// Other geometry of the same hair or another: moved, cut, more.
   void set_strands(Strands strands);
+  /// The same with the head, moved.
+  void set_geometry(Strands strands, Mesh head);
 
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
   /// @throws UsageError for a method or settings that are not drawn here; what make_shadow() throws
@@ -65,6 +67,7 @@ class StrandFrame {
   const Bounds& bounds() const noexcept { return bounds_; }
   const StageLedger& ledger() const noexcept { return ledger_; }
   const Strands& strands() const noexcept { return strands_; }
+  const Mesh& head() const noexcept { return head_; }
 
  private:
   struct LightShadow {

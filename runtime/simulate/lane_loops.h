@@ -1,5 +1,5 @@
-// Private to this box: what makes loops over lanes SIMD code of the CPU at hand. The files that use it are compiled with
-// -fno-math-errno -fno-trapping-math.
+// Private to this box: what makes loops over lanes SIMD code of the CPU at hand. The files that use it are compiled
+// with -fno-math-errno -fno-trapping-math.
 #pragma once
 
 #define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))

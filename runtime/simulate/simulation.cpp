@@ -224,7 +224,7 @@ void Simulation::State::step_grid() {
   g.awake = awake;
   grid.build(blocks, g);
   grid.apply(blocks, g);
-  if (may_sleep()) grid.wake(awake, kWake * settings.life.sleep_m_s);
+  if (may_sleep()) grid.wake(blocks, g, awake, kWake * settings.life.sleep_m_s);
   facts.grid_ms += milliseconds_since(begin);
 }
 

@@ -1,0 +1,18 @@
+#include "pelage/app/picture.h"
+
+#include <spdlog/spdlog.h>
+
+#include "pelage/image/image_file.h"
+#include "pelage/image/tone.h"
+
+namespace pelage::app {
+
+void write_picture(Image image, const Scene& scene, const std::filesystem::path& file) {
+  if (const std::size_t bad = remove_non_finite(image); bad > 0)
+    spdlog::warn("{}: {} values were not finite", file.string(), bad);
+  expose(image, scene.image.exposure);
+  compose_over(image, scene.image.background);
+  write_image(image, file, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});
+}
+
+}  // namespace pelage::app

@@ -1,0 +1,288 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "pelage/app/choose.h"
+#include "pelage/app/drawing.h"
+#include "pelage/app/picture.h"
+#include "pelage/app/scene_options.h"
+#include "pelage/app/verbs.h"
+#include "pelage/app/video.h"
+#include "pelage/console/json_output.h"
+#include "pelage/console/options.h"
+#include "pelage/console/program.h"
+#include "pelage/console/progress.h"
+#include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/output_file.h"
+#include "pelage/hair/hair_file.h"
+#include "pelage/render/gl_context.h"
+#include "pelage/simulate/head_motion.h"
+#include "pelage/simulate/moving_hair.h"
+
+namespace pelage::app {
+namespace {
+
+struct SimulateOptions {
+  std::shared_ptr<SceneOptions> scene;
+  std::string preset, motion, solver, wind;
+  std::filesystem::path out, hair_out, video;
+  double fps = 30, seconds = 0, settle_s = 1, steps_per_s = 480, amplitude = 1, speed = 1;
+  int vertices = 16, wisps = 0;
+  bool stats = false;
+};
+
+/// Longest that a motion without an end of its own is shown [s].
+constexpr double kStillSeconds = 2;
+constexpr float kFastestWind = 100;  // m/s
+
+glm::vec3 parse_wind(const std::string& text) {
+  glm::vec3 wind(0);
+  int used = 0;
+  const bool three = std::sscanf(text.c_str(), "%f,%f,%f%n", &wind.x, &wind.y, &wind.z, &used) == 3;
+  const bool sane =
+      std::abs(wind.x) <= kFastestWind && std::abs(wind.y) <= kFastestWind && std::abs(wind.z) <= kFastestWind;
+  if (!three || static_cast<std::size_t>(used) != text.size() || !sane)
+    throw UsageError("--wind: '" + text + "' is not a velocity in m/s, three numbers from -100 to 100 like 3,0,1");
+  return wind;
+}
+
+const std::map<std::string, MotionKind> kMotions{
+    {"none", MotionKind::none},          {"shake", MotionKind::shake}, {"nod", MotionKind::nod},
+    {"turn", MotionKind::turn},          {"jump", MotionKind::jump},   {"dance", MotionKind::dance},
+    {"keyframes", MotionKind::keyframes}};
+const std::map<std::string, ChainSolver> kSolvers{{"dftl", ChainSolver::dftl},
+                                                  {"position-based", ChainSolver::position_based},
+                                                  {"tridiagonal", ChainSolver::tridiagonal}};
+
+/// The scene's simulation, then what the command line changes of it.
+SimulationSettings settings_of(const CLI::App& verb, const SimulateOptions& o, const Scene& scene) {
+  const auto given = [&](const char* name) { return verb.count(name) > 0; };
+  SimulationSettings s = scene.simulation;
+  if (given("--preset")) {
+    const MotionSettings motion = s.motion;
+    s = simulation_preset(o.preset);
+    s.motion = motion;
+  }
+  if (given("--motion")) s.motion.kind = choose<MotionKind>(kMotions, o.motion, "--motion");
+  if (given("--amplitude")) s.motion.amplitude = static_cast<float>(o.amplitude);
+  if (given("--speed")) s.motion.speed = static_cast<float>(o.speed);
+  if (given("--solver")) s.chain.solver = choose<ChainSolver>(kSolvers, o.solver, "--solver");
+  if (given("--wind")) s.wind.velocity_m_s = parse_wind(o.wind);
+  if (given("--vertices")) s.vertices = o.vertices;
+  if (given("--wisps")) s.wisps = o.wisps;
+  if (given("--settle")) s.life.settle_s = o.settle_s;
+  if (given("--steps-per-second")) s.life.step_s = 1.0 / o.steps_per_s;
+  return s;
+}
+
+std::string numbered(const std::filesystem::path& folder, const char* stem, int frame, const char* extension) {
+  return (folder / fmt::format("{}_{:04d}{}", stem, frame, extension)).string();
+}
+
+/// @throws OutputError where a folder cannot be made or written into
+void make_folder(const std::filesystem::path& folder, const std::string& first_file) {
+  if (folder.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directory(folder, error);
+  if (error) throw OutputError(folder.string(), error.message() + ": give a folder, or the name of one to be made");
+  check_writable(first_file);
+}
+
+/// Times of all frames, summed by stage.
+class Totals {
+ public:
+  void add(const std::string& stage, double ms) {
+    for (auto& [name, sum] : sums_)
+      if (name == stage) {
+        sum += ms;
+        return;
+      }
+    sums_.emplace_back(stage, ms);
+  }
+  const std::vector<std::pair<std::string, double>>& sums() const { return sums_; }
+
+ private:
+  std::vector<std::pair<std::string, double>> sums_;
+};
+
+struct FrameReport {
+  int frame;
+  std::uint64_t hash;
+  float fastest_m_s, fastest_root_m_s;
+  std::size_t asleep;
+};
+
+class Sequence {
+ public:
+  Sequence(const SimulateOptions& options, const Scene& scene)
+      : options_(options), scene_(scene), drawing_(make_drawing(scene)) {
+    const SimulationSettings& s = scene.simulation;
+    if (scene.method == Method::satf && s.shape.curl.radius_m > 0)
+      throw UsageError("curls are drawn on strands: choose a --method other than satf, or --preset hold-shape");
+    hair_.emplace(drawing_->lines(), drawing_->head(), s);
+    const double length = options.seconds > 0 ? options.seconds : motion_length_s(s.motion);
+    frames_ = std::max(1, static_cast<int>(std::lround((length > 0 ? length : kStillSeconds) * options.fps)));
+    const ImageSettings& p = scene.image;
+    camera_ = scene.camera.value_or(
+        framed_camera(drawing_->bounds(), static_cast<float>(p.width) / static_cast<float>(p.height)));
+    describe();
+  }
+
+  void run() {
+    settle();
+    console::Progress progress("simulating " + drawing_->name(), static_cast<std::uint64_t>(frames_), "frames");
+    for (int k = 0; k < frames_; ++k) {
+      console::throw_if_interrupted();
+      frame(k);
+      progress.update(static_cast<std::uint64_t>(k) + 1);
+    }
+  }
+
+  int frames() const { return frames_; }
+  const Totals& totals() const { return totals_; }
+  const std::vector<FrameReport>& reports() const { return reports_; }
+  const Simulation& simulation() const { return hair_->simulation(); }
+
+ private:
+  void describe() const {
+    const Simulation& sim = hair_->simulation();
+    spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", drawing_->name(),
+                 scene_.simulation.name, sim.blocks().strands, drawing_->lines().count(),
+                 sim.blocks().first.back() * static_cast<std::uint32_t>(kLanes),
+                 static_cast<double>(sim.facts().bytes) / 1048576.0, frames_);
+  }
+
+  RigidPose pose(double time_s) const { return head_pose(scene_.simulation.motion, hair_->pivot(), time_s); }
+
+  void settle() {
+    const int frames = static_cast<int>(std::lround(scene_.simulation.life.settle_s * options_.fps));
+    for (int k = 0; k < frames; ++k) {
+      console::throw_if_interrupted();
+      hair_->advance(1.0 / options_.fps, pose(0));
+    }
+  }
+
+  void frame(int k) {
+    const SimulationFacts before = hair_->simulation().facts();
+    if (k > 0) hair_->advance(1.0 / options_.fps, pose(k / options_.fps));
+    const SimulationFacts& now = hair_->simulation().facts();
+    totals_.add("chains", now.chain_ms - before.chain_ms);
+    totals_.add("grid", now.grid_ms - before.grid_ms);
+    const Strands& strands = hair_->hair();
+    totals_.add("strands", hair_->hair_ms());
+    reports_.push_back({k, hair_->simulation().state_hash(), now.fastest_m_s, now.fastest_root_m_s, now.asleep});
+    if (!options_.hair_out.empty()) hair::write_strands(strands, numbered(options_.hair_out, "frame", k, ".hair"));
+    if (!options_.out.empty()) draw(k, strands);
+  }
+
+  void draw(int k, const Strands& strands) {
+    const auto begin = std::chrono::steady_clock::now();
+    drawing_->move(strands, hair_->head());
+    Image image = drawing_->render(scene_, camera_);
+    for (const Stage& s : drawing_->ledger().stages()) totals_.add(s.name, s.milliseconds);
+    write_picture(std::move(image), scene_, numbered(options_.out, "frame", k, ".png"));
+    totals_.add("(move, draw, write)",
+                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  }
+
+  const SimulateOptions& options_;
+  const Scene& scene_;
+  std::unique_ptr<Drawing> drawing_;
+  std::optional<MovingHair> hair_;
+  Camera camera_;
+  int frames_ = 0;
+  Totals totals_;
+  std::vector<FrameReport> reports_;
+};
+
+void print_json(const Sequence& sequence) {
+  nlohmann::ordered_json json;
+  for (const FrameReport& r : sequence.reports())
+    json["frames"].push_back({{"frame", r.frame},
+                              {"hash", fmt::format("{:016x}", r.hash)},
+                              {"fastest_m_s", r.fastest_m_s},
+                              {"fastest_root_m_s", r.fastest_root_m_s},
+                              {"asleep", r.asleep}});
+  for (const auto& [name, ms] : sequence.totals().sums()) json["ms_per_frame"][name] = ms / sequence.frames();
+  json["steps"] = sequence.simulation().facts().steps;
+  json["dropped_s"] = sequence.simulation().facts().dropped_s;
+  console::print_json(json);
+}
+
+void print_stats(const Sequence& sequence) {
+  std::printf("%-22s %12s\n", "stage", "ms per frame");
+  for (const auto& [name, ms] : sequence.totals().sums())
+    std::printf("%-22s %12.2f\n", name.c_str(), ms / sequence.frames());
+  const FrameReport& last = sequence.reports().back();
+  std::printf("%-22s %016llx\n", "last state", static_cast<unsigned long long>(last.hash));
+  std::printf("%-22s %zu\n", "asleep at the end", last.asleep);
+}
+
+void simulate(const CLI::App& verb, const SimulateOptions& options) {
+  if (!options.video.empty() && options.out.empty()) throw UsageError("--video is made from pictures: give -o as well");
+  if (!options.video.empty()) check_video(options.video);
+  make_folder(options.out, numbered(options.out, "frame", 0, ".png"));
+  make_folder(options.hair_out, numbered(options.hair_out, "frame", 0, ".hair"));
+  Scene scene = resolve_scene(verb, *options.scene);
+  scene.simulation = settings_of(verb, options, scene);
+  std::optional<HeadlessContext> context;
+  if (needs_opengl(scene.method) && !options.out.empty()) context.emplace();
+  Sequence sequence(options, scene);
+  sequence.run();
+  if (!options.video.empty()) make_video((options.out / "frame_%04d.png").string(), options.fps, options.video);
+  if (console::common().json) {
+    print_json(sequence);
+    return;
+  }
+  if (options.stats) print_stats(sequence);
+  for (const std::filesystem::path* const made : {&options.out, &options.hair_out, &options.video})
+    if (!made->empty()) std::printf("%s\n", made->c_str());
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("simulate", "Move the hair of a scene, a hairstyle or a hair file, and draw it");
+  auto o = std::make_shared<SimulateOptions>();
+  o->scene = add_scene_options(*verb);
+  verb->add_option("-o,--out", o->out, "Folder for pictures, frame_0000.png and on; made if there is none");
+  verb->add_option("--hair-out", o->hair_out, "Folder for hair files, frame_0000.hair and on");
+  verb->add_option("--video", o->video, "Video of the pictures, e.g. hair.mp4; needs ffmpeg");
+  verb->add_option("--preset", o->preset,
+                   "How hair moves: loose, straight, wavy, curly, hold-shape, wet [the scene's, or hold-shape]");
+  verb->add_option("--motion", o->motion,
+                   "Motion of the head: none, shake, nod, turn, jump, dance, or the scene's keyframes [shake]");
+  verb->add_option("--amplitude", o->amplitude, "Times the motion's own size")
+      ->capture_default_str()
+      ->check(console::finite(0, 10));
+  verb->add_option("--speed", o->speed, "Times the motion's own speed")
+      ->capture_default_str()
+      ->check(console::finite(0.01, 100));
+  verb->add_option("--wind", o->wind, "Mean wind in m/s: x,y,z [none]");
+  verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
+  verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
+      ->check(console::finite(0.001, 100000));
+  verb->add_option("--settle", o->settle_s, "Seconds simulated before the first frame, so that hair hangs as it will")
+      ->capture_default_str()
+      ->check(console::finite(0, 100));
+  verb->add_option("--vertices", o->vertices, "Simulated vertices of the longest strand")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 256));
+  verb->add_option("--wisps", o->wisps, "Simulate three guides for each of so many wisps; 0: every strand")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100000));
+  verb->add_option("--solver", o->solver, "dftl; to compare: position-based, tridiagonal [dftl]");
+  verb->add_option("--steps-per-second", o->steps_per_s, "Internal steps")
+      ->capture_default_str()
+      ->check(console::finite(60, 2000));
+  verb->add_flag("--stats", o->stats, "Print the time of each stage and a hash of the last state");
+  console::add_common_options(*verb);
+  verb->callback([verb, o] { simulate(*verb, *o); });
+}
+
+}  // namespace pelage::app
