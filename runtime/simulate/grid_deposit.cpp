@@ -2,28 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <glm/common.hpp>
-
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 
 namespace pelage::grid {
 namespace {
 
-using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
-constexpr int kRows = 16;  // vertices of a block at a time: the tile stays in the nearest cache
+constexpr std::uint32_t kTile = 16;  // vertices of a block at a time: they stay in the nearest cache
 
 /// Vertices of a block on their way to the nodes; element i * kLanes + lane.
 struct alignas(64) Tile {
-  Places places[kRows];
-  float share[4][kRows * kLanes];      // weights of the cell's edges along x: y + 2 z
-  float deposit[kRows * kLanes][8];    // what the two ends of such an edge get at weight 1
-  std::uint32_t node[kRows * kLanes];  // in the deposit
+  Places places[kTile];
+  float share[4][kTile * kLanes];         // weights of the cell's edges along x: y + 2 z
+  float deposit[kTile * kLanes][8];       // what the two ends of such an edge get at weight 1
+  std::uint32_t node[kTile * kLanes][4];  // where the edges begin
 };
 
-/// Mass and momentum split along x, weights along y and z.
+/// Mass and momentum split along x, weights along y and z. Adds up vertices and those outside of the box.
 PELAGE_CLONES void prepare(const StrandBlocks& blocks, std::uint32_t block, std::uint32_t from, std::uint32_t rows,
-                           float cells_per_m, const Box& box, Tile& tile) noexcept {
+                           float cells_per_m, const Box& box, Tile& tile, std::uint32_t& all,
+                           std::uint32_t& outside) noexcept {
   const float* vertices = blocks.vertices[block].v;
   const float* segment = blocks.segment_m[block].v;
   for (std::uint32_t r = 0; r < rows; ++r) {
@@ -33,6 +29,8 @@ PELAGE_CLONES void prepare(const StrandBlocks& blocks, std::uint32_t block, std:
     for (int k = 0; k < kLanes; ++k) counts[k] = i < vertices[k];
     Places& p = tile.places[r];
     locate(blocks.root[block], blocks.position[v], counts, cells_per_m, box, p);
+    for (int k = 0; k < kLanes; ++k) all += static_cast<std::uint32_t>(counts[k]);
+    for (int k = 0; k < kLanes; ++k) outside += static_cast<std::uint32_t>(counts[k] & (p.key[k] == 0));
     const Lanes3& velocity = blocks.velocity[v];
     float* deposit = tile.deposit[r * kLanes];
     for (int k = 0; k < kLanes; ++k) {
@@ -58,44 +56,39 @@ PELAGE_CLONES void prepare(const StrandBlocks& blocks, std::uint32_t block, std:
   }
 }
 
-/// Bricks of a tile's vertices, new ones made.
-void find_bricks(std::uint32_t rows, const float* vertices, std::uint32_t from, Deposit& d, Tile& tile) {
-  const std::uint32_t none = d.box.count();
+void make_row(std::uint32_t key, Deposit& d) {
+  d.keys.push_back(key);
+  const std::size_t begin = d.keys.size() * kRowFloats, end = begin + kRowFloats;
+  if (d.nodes.size() < end) d.nodes.resize(end + end / 2);
+  std::fill_n(d.nodes.begin() + static_cast<std::ptrdiff_t>(begin), kRowFloats, 0.0F);
+  d.directory[key] = static_cast<std::uint32_t>(begin);
+}
+
+/// Rows of a tile's vertices, new ones made.
+void find_rows(std::uint32_t rows, const Box& box, Deposit& d, Tile& tile) {
+  const std::uint32_t* directory = d.directory.data();
+  const std::uint32_t up_z = box.up_z();
   for (std::uint32_t r = 0; r < rows; ++r) {
     const Places& p = tile.places[r];
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      std::uint32_t brick = d.directory[p.key[k]];
-      if (brick == 0) [[unlikely]] {
-        if (p.key[k] != none) {
-          d.keys.push_back(p.key[k]);
-          brick = static_cast<std::uint32_t>(d.keys.size());
-          d.directory[p.key[k]] = brick;
-          d.nodes.resize(d.nodes.size() + kBrickFloats);
-        } else if (static_cast<float>(from + r) < vertices[k]) {
-          ++d.strays;
-        }
+      const std::uint32_t key = p.key[k];
+      const std::uint32_t* at = directory + key;
+      if (((at[0] == 0) | (at[1] == 0) | (at[up_z] == 0) | (at[up_z + 1] == 0)) & (key != 0)) [[unlikely]] {
+        for (const std::uint32_t row : {key, key + 1, key + up_z, key + up_z + 1})
+          if (directory[row] == 0) make_row(row, d);
       }
-      tile.node[r * kLanes + k] = brick * kNodes + p.node[k];
+      edges_of(directory, key, p.node[k], up_z, tile.node[r * kLanes + k]);
     }
   }
 }
 
 /// Strand after strand: neighbours along a strand lie in different cells, so a sum rarely waits for the one before it.
 PELAGE_CLONES void add(const Tile& tile, std::uint32_t rows, float* nodes) noexcept {
-  constexpr std::size_t kY = kNodeFloats * kSide, kZ = kY * kSide;
   for (std::uint32_t k = 0; k < kLanes; ++k) {
     for (std::uint32_t r = 0; r < rows; ++r) {
-      const std::uint32_t e = r * kLanes + k;
-      const Float8 given = *reinterpret_cast<const Float8*>(tile.deposit[e]);
-      float* corner = nodes + kNodeFloats * tile.node[e];
-      auto& a = *reinterpret_cast<Float8*>(corner);
-      a += given * tile.share[0][e];
-      auto& b = *reinterpret_cast<Float8*>(corner + kY);
-      b += given * tile.share[1][e];
-      auto& c = *reinterpret_cast<Float8*>(corner + kZ);
-      c += given * tile.share[2][e];
-      auto& e4 = *reinterpret_cast<Float8*>(corner + kZ + kY);
-      e4 += given * tile.share[3][e];
+      const std::uint32_t i = r * kLanes + k;
+      const Float8 given = *reinterpret_cast<const Float8*>(tile.deposit[i]);
+      for (int e = 0; e < 4; ++e) *reinterpret_cast<Float8*>(nodes + tile.node[i][e]) += given * tile.share[e][i];
     }
   }
 }
@@ -121,20 +114,12 @@ PELAGE_CLONES void widen(const StrandBlocks& blocks, std::uint32_t block, float 
   }
 }
 
-/// Its directory covers what its vertices take up of the grid's box. What it had is forgotten.
-void set_box(const Box& within, Deposit& d) {
+void clear(const Box& box, Deposit& d) {
   for (const std::uint32_t key : d.keys) d.directory[key] = 0;
   d.keys.clear();
-  d.strays = 0;
-  d.box = {};
-  if (d.low.x <= d.high.x) {
-    const glm::ivec3 low = glm::max(glm::ivec3(glm::floor(d.low / static_cast<float>(kEdge))), within.low);
-    const glm::ivec3 high =
-        glm::min(glm::ivec3(glm::floor(d.high / static_cast<float>(kEdge))), within.low + within.size - 1);
-    d.box = {low, glm::max(high - low + 1, glm::ivec3(0))};
-  }
-  d.directory.resize(d.box.count() + 1);
-  d.nodes.resize(kBrickFloats);
+  d.directory.resize(directory_size(box));
+  if (d.nodes.empty()) d.nodes.resize(kRowFloats);
+  d.vertices = d.strays = 0;
 }
 
 }  // namespace
@@ -150,14 +135,17 @@ void measure(const StrandBlocks& blocks, float cells_per_m, Deposit& d) noexcept
             *std::max_element(high.z, high.z + kLanes)};
 }
 
-void fill(const StrandBlocks& blocks, float cells_per_m, const Box& within, Deposit& d) {
-  set_box(within, d);
+void fill(const StrandBlocks& blocks, float cells_per_m, const Box& box, Deposit& d) {
+  clear(box, d);
   Tile tile;
   for (std::uint32_t b = d.first_block; b < d.end_block; ++b) {
-    for (std::uint32_t from = 0; from < blocks.length(b); from += kRows) {
-      const std::uint32_t rows = std::min<std::uint32_t>(kRows, blocks.length(b) - from);
-      prepare(blocks, b, from, rows, cells_per_m, d.box, tile);
-      find_bricks(rows, blocks.vertices[b].v, from, d, tile);
+    for (std::uint32_t from = 0; from < blocks.length(b); from += kTile) {
+      const std::uint32_t rows = std::min(kTile, blocks.length(b) - from);
+      std::uint32_t vertices = 0, strays = 0;
+      prepare(blocks, b, from, rows, cells_per_m, box, tile, vertices, strays);
+      d.vertices += vertices;
+      d.strays += strays;
+      find_rows(rows, box, d, tile);
       add(tile, rows, d.nodes.data());
     }
   }

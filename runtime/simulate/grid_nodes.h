@@ -36,50 +36,33 @@ struct Terms {
 
 class Nodes {
  public:
-  /// Adds up the deposits in their order; density and velocity of each node. @param box  holds all of their bricks and
-  /// one more on the far sides
+  /// Adds up the deposits in their order; density and velocity of each node.
   void merge(std::span<const Deposit> deposits, const Box& box, float cell_m);
   /// What the nodes do to a vertex.
   void act(const Terms& terms);
 
   const Box& box() const noexcept { return box_; }
-  /// 4 floats of each of a brick's kNodes nodes: F, c. Brick 0: a vertex stays as it is.
+  /// 4 floats of each of a row's kRow + 1 nodes: F, c. Row 0: a vertex stays as it is.
   const float* fields() const noexcept { return fields_.data(); }
-  /// [box.count() + 1] number of the brick of a vertex; 0: none. Numbers above vertex_bricks() hold nodes only.
-  std::span<const std::uint32_t> directory() const noexcept { return directory_; }
+  const Directory& directory() const noexcept { return directory_; }
 
-  std::size_t bricks() const noexcept { return keys_.size(); }
-  std::size_t vertex_bricks() const noexcept { return vertex_bricks_; }
+  std::size_t rows() const noexcept { return keys_.size(); }
   std::size_t used_nodes() const noexcept;
-  /// Square of the greatest speed of a node of a brick, by its number.
-  float fastest_sq(std::uint32_t number) const noexcept { return fastest_sq_[number - 1]; }
-  /// Density [m/m^3] or one of the components of velocity at a node (cell coordinates).
+  /// Square of the greatest speed of a node of the row that begins there.
+  float fastest_sq(std::uint32_t begin) const noexcept { return fastest_sq_[begin / kRowFloats]; }
+  /// Density [m/m^3] (0) or a component of velocity (1, 2, 3) at a node (cell coordinates).
   float value(int quantity, const glm::ivec3& node) const noexcept;
   std::size_t bytes() const noexcept;
 
  private:
-  struct Copy {
-    std::uint32_t deposit, number;
-  };
-  std::uint32_t number_of(const glm::ivec3& brick) const noexcept {
-    return box_.holds(brick) ? directory_[box_.key(brick)] : 0;
-  }
-  std::uint32_t add_brick(std::uint32_t key);
-  void number_bricks(std::span<const Deposit> deposits, const Box& box);
-  void sum(std::span<const Deposit> deposits, std::uint32_t number, float cell_m) noexcept;
-  void collect_ring(const glm::ivec3& brick, bool corners, float* ring) const noexcept;
-  void act_on(const Terms& terms, std::uint32_t number) noexcept;
-  void hand_out(const glm::ivec3& brick, const float* field) noexcept;
+  void collect_keys(std::span<const Deposit> deposits, const Box& box);
 
   Box box_;
-  std::vector<std::uint32_t> directory_;
-  std::vector<std::uint32_t> keys_;        // [bricks]; the first vertex_bricks_ hold vertices
-  std::vector<std::uint32_t> first_copy_;  // [vertex bricks + 1]
-  std::vector<Copy> copies_;               // by brick, then deposit
-  std::size_t vertex_bricks_ = 0;
-  std::vector<float> values_;      // [bricks][density, velocity x, y, z][kOwn]
-  std::vector<float> fastest_sq_;  // [bricks]
-  std::vector<float> fields_;      // [1 + vertex bricks][kNodes][4]
+  Directory directory_;
+  std::vector<std::uint32_t> keys_;  // [rows]
+  std::vector<float> values_;        // [1 + rows][density, velocity x, y, z][kRow]
+  std::vector<float> fastest_sq_;    // [1 + rows]
+  std::vector<float> fields_;        // [1 + rows][kRow + 1][4]
 };
 
 }  // namespace pelage::grid

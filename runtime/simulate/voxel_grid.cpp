@@ -11,17 +11,18 @@
 
 #include "pelage/data_schema/errors.h"
 
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-
 namespace pelage {
 namespace {
 
 using grid::Box;
+using grid::Float8;
 using grid::Places;
-using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Int8 = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
+using Float4 = float __attribute__((vector_size(16), aligned(4), may_alias));
 
-constexpr std::size_t kRunVertices = 16384;  // lanes times vertices; a smaller run shares more bricks with others
-constexpr std::size_t kMostRuns = 32;
+constexpr std::size_t kRunVertices = 32768;  // lanes times vertices; smaller runs share more rows with others
+constexpr std::size_t kMostRuns = 16;
+constexpr double kMostStrays = 0.01;  // of the vertices
 
 /// 1 - exp(-rate h)
 float share_of(float rate_per_s, double step_s) {
@@ -31,7 +32,9 @@ float share_of(float rate_per_s, double step_s) {
 /// Runs of blocks of like size: of the strands alone, whatever the number of threads.
 std::vector<grid::Deposit> runs_of(const StrandBlocks& blocks) {
   const std::size_t vertices = std::size_t{blocks.first.back()} * kLanes;
-  const std::size_t runs = std::clamp<std::size_t>(vertices / kRunVertices, 1, kMostRuns);
+  // Even, so that two threads have as much to do.
+  const std::size_t runs =
+      vertices < kRunVertices / 2 ? 1 : std::clamp<std::size_t>(vertices / (2 * kRunVertices), 1, kMostRuns / 2) * 2;
   std::vector<grid::Deposit> deposits(runs);
   std::uint32_t block = 0;
   for (std::size_t r = 0; r < runs; ++r) {
@@ -42,7 +45,7 @@ std::vector<grid::Deposit> runs_of(const StrandBlocks& blocks) {
   return deposits;
 }
 
-/// Brick of the median root.
+/// Cell of the median root.
 glm::ivec3 middle_of(const StrandBlocks& blocks, float cells_per_m) {
   std::vector<float> at[3];
   for (std::size_t b = 0; b < blocks.count(); ++b) {
@@ -56,12 +59,21 @@ glm::ivec3 middle_of(const StrandBlocks& blocks, float cells_per_m) {
   for (int a = 0; a < 3 && !at[a].empty(); ++a) {
     const auto half = at[a].begin() + static_cast<std::ptrdiff_t>(at[a].size() / 2);
     std::nth_element(at[a].begin(), half, at[a].end());
-    middle[a] = static_cast<int>(std::floor(*half / static_cast<float>(grid::kEdge)));
+    middle[a] = static_cast<int>(std::floor(*half));
   }
   return middle;
 }
 
-/// Bricks of all deposits, at most `most`, cut to a cube around the median root if there would be more.
+/// Rows for cells from low to high and the margin that grid_frame.h asks for.
+Box box_around(const glm::ivec3& low, const glm::ivec3& high) noexcept {
+  constexpr int kRow = grid::kRow;
+  Box box;
+  box.low = glm::ivec3((low.x >= 0 ? low.x / kRow : -((kRow - 1 - low.x) / kRow)) * kRow - kRow, low.y - 1, low.z - 1);
+  box.size = glm::ivec3((high.x - box.low.x) / kRow + 3, high.y - box.low.y + 3, high.z - box.low.z + 3);
+  return box;
+}
+
+/// Rows for all deposits, at most `most`: a cube around the median root if there would be more.
 Box box_of(const StrandBlocks& blocks, std::span<const grid::Deposit> deposits, float cells_per_m, std::uint32_t most) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const grid::Deposit& d : deposits) {
@@ -69,17 +81,14 @@ Box box_of(const StrandBlocks& blocks, std::span<const grid::Deposit> deposits, 
     high = glm::max(high, d.high);
   }
   if (!(low.x <= high.x)) return {};
-  Box box;
-  box.low = glm::ivec3(glm::floor(low / static_cast<float>(grid::kEdge)));
-  box.size = glm::ivec3(glm::floor(high / static_cast<float>(grid::kEdge))) - box.low + 1;
-  const glm::dvec3 all(box.size + 1);
-  if (all.x * all.y * all.z <= most) return box;
-  const int side = static_cast<int>(std::cbrt(static_cast<double>(most))) - 1;
-  const glm::ivec3 cube_low = middle_of(blocks, cells_per_m) - side / 2;
-  const glm::ivec3 end = glm::min(box.low + box.size, cube_low + side);
-  box.low = glm::max(box.low, cube_low);
-  box.size = glm::max(end - box.low, glm::ivec3(0));
-  return box;
+  const glm::ivec3 from(glm::floor(low)), to(glm::floor(high));
+  const Box box = box_around(from, to);
+  const glm::dvec3 size(box.size);
+  if (size.x * size.y * size.z <= most) return box;
+  const int half = static_cast<int>(std::cbrt(static_cast<double>(most) * grid::kRow)) / 2 - 2 * grid::kRow;
+  const glm::ivec3 middle = middle_of(blocks, cells_per_m);
+  return box_around(glm::max(from, middle - half),
+                    glm::max(glm::min(to, middle + half), glm::max(from, middle - half)));
 }
 
 /// What apply() needs of the grid.
@@ -90,18 +99,17 @@ struct View {
   const float* fields;
 };
 
-/// Vertices 1.. of a block take  v' = (1 - c) v + F. A vertex without a brick finds brick 0, where both are 0.
+/// Vertices 1.. of a block take  v' = (1 - c) v + F. A vertex outside finds row 0, where both are 0.
 /// @return whether there was one
 PELAGE_CLONES bool take(StrandBlocks& blocks, std::size_t block, const View& view) noexcept {
-  constexpr std::size_t kY = grid::kNodeFloats * grid::kSide, kZ = kY * grid::kSide;
+  const std::uint32_t up_z = view.box.up_z();
   const float* vertices = blocks.vertices[block].v;
   std::int32_t lost = 0;
   for (std::uint32_t i = 1; i < blocks.length(block); ++i) {
     const std::size_t v = blocks.first[block] + i;
     Places p;
     alignas(64) std::int32_t counts[kLanes];
-    alignas(64) float share[4][kLanes], found[kLanes][8];
-    alignas(64) std::uint32_t node[kLanes];
+    alignas(64) float share[4][kLanes], found[kLanes][4];
     for (int k = 0; k < kLanes; ++k) counts[k] = static_cast<float>(i) < vertices[k];
     grid::locate(blocks.root[block], blocks.position[v], counts, view.cells_per_m, view.box, p);
     for (int k = 0; k < kLanes; ++k) {
@@ -110,33 +118,37 @@ PELAGE_CLONES bool take(StrandBlocks& blocks, std::size_t block, const View& vie
       share[2][k] = (1 - p.fy[k]) * p.fz[k];
       share[3][k] = p.fy[k] * p.fz[k];
     }
-    for (int k = 0; k < kLanes; ++k) node[k] = view.directory[p.key[k]];
-    for (int k = 0; k < kLanes; ++k) lost |= (node[k] == 0) & counts[k];
-    for (int k = 0; k < kLanes; ++k) node[k] = node[k] * grid::kNodes + p.node[k];
+    for (int k = 0; k < kLanes; ++k) lost |= (p.key[k] == 0) & counts[k];
     for (int k = 0; k < kLanes; ++k) {
-      const float* corner = view.fields + grid::kNodeFloats * node[k];
-      const Float8& a = *reinterpret_cast<const Float8*>(corner);
-      const Float8& b = *reinterpret_cast<const Float8*>(corner + kY);
-      const Float8& c = *reinterpret_cast<const Float8*>(corner + kZ);
-      const Float8& d = *reinterpret_cast<const Float8*>(corner + kZ + kY);
-      *reinterpret_cast<Float8*>(found[k]) = (a * share[0][k] + b * share[1][k]) + (c * share[2][k] + d * share[3][k]);
+      std::uint32_t edges[4];
+      grid::edges_of(view.directory, p.key[k], p.node[k], up_z, edges);
+      const Float8& a = *reinterpret_cast<const Float8*>(view.fields + edges[0]);
+      const Float8& b = *reinterpret_cast<const Float8*>(view.fields + edges[1]);
+      const Float8& c = *reinterpret_cast<const Float8*>(view.fields + edges[2]);
+      const Float8& d = *reinterpret_cast<const Float8*>(view.fields + edges[3]);
+      const Float8 ends = (a * share[0][k] + b * share[1][k]) + (c * share[2][k] + d * share[3][k]);
+      const Float4 near = __builtin_shufflevector(ends, ends, 0, 1, 2, 3);
+      const Float4 far = __builtin_shufflevector(ends, ends, 4, 5, 6, 7);
+      *reinterpret_cast<Float4*>(found[k]) = near * (1 - p.fx[k]) + far * p.fx[k];
     }
     Lanes3& velocity = blocks.velocity[v];
-    for (int k = 0; k < kLanes; ++k) {
-      const float far = p.fx[k], near = 1 - far;
-      const float x = near * found[k][0] + far * found[k][4];
-      const float y = near * found[k][1] + far * found[k][5];
-      const float z = near * found[k][2] + far * found[k][6];
-      const float keep = 1 - (near * found[k][3] + far * found[k][7]);
-      velocity.x[k] = counts[k] ? keep * velocity.x[k] + x : velocity.x[k];
-      velocity.y[k] = counts[k] ? keep * velocity.y[k] + y : velocity.y[k];
-      velocity.z[k] = counts[k] ? keep * velocity.z[k] + z : velocity.z[k];
+    for (int h = 0; h < kLanes; h += 8) {
+      Float8 x, y, z, taken;
+      grid::to_rows(found[h], x, y, z, taken);
+      const auto here = *reinterpret_cast<const Int8*>(counts + h) != 0;
+      Float8& vx = grid::row_of(velocity.x + h);
+      Float8& vy = grid::row_of(velocity.y + h);
+      Float8& vz = grid::row_of(velocity.z + h);
+      const Float8 keep = 1 - taken;
+      vx = here ? keep * vx + x : vx;
+      vy = here ? keep * vy + y : vy;
+      vz = here ? keep * vz + z : vz;
     }
   }
   return lost != 0;
 }
 
-/// Wind on vertices 1.. of a block that nothing shelters: all of them, or those without a brick.
+/// Wind on vertices 1.. of a block that nothing shelters: all of them, or those outside.
 void blow(StrandBlocks& blocks, std::size_t block, const Wind& wind, float share, const View* only_outside) noexcept {
   const float* vertices = blocks.vertices[block].v;
   const Lanes3& root = blocks.root[block];
@@ -148,7 +160,7 @@ void blow(StrandBlocks& blocks, std::size_t block, const Wind& wind, float share
     if (only_outside != nullptr) {
       Places p;
       grid::locate(root, position, counts, only_outside->cells_per_m, only_outside->box, p);
-      for (int k = 0; k < kLanes; ++k) counts[k] &= only_outside->directory[p.key[k]] == 0;
+      for (int k = 0; k < kLanes; ++k) counts[k] &= p.key[k] == 0;
     }
     alignas(64) float gusts[kLanes];
     Lanes3 at;
@@ -192,10 +204,23 @@ void VoxelGrid::deposit(const StrandBlocks& blocks) {
   if (deposits_.empty() || deposits_.back().end_block != blocks.count()) deposits_ = runs_of(blocks);
   tbb::parallel_for(std::size_t{0}, deposits_.size(),
                     [&](std::size_t d) { grid::measure(blocks, cells_per_m_, deposits_[d]); });
-  const Box box = box_of(blocks, deposits_, cells_per_m_, kMostBricks);
+  const Box box = box_of(blocks, deposits_, cells_per_m_, kMostRows);
   tbb::parallel_for(std::size_t{0}, deposits_.size(),
                     [&](std::size_t d) { grid::fill(blocks, cells_per_m_, box, deposits_[d]); });
-  nodes_.merge(deposits_, {box.low, box.count() > 0 ? box.size + 1 : box.size}, interaction_.cell_m);
+  check_strays();
+  nodes_.merge(deposits_, box, interaction_.cell_m);
+}
+
+void VoxelGrid::check_strays() const {
+  std::size_t vertices = 0;
+  for (const grid::Deposit& d : deposits_) vertices += d.vertices;
+  const std::size_t outside = strays();
+  if (outside <= 16 || static_cast<double>(outside) <= kMostStrays * static_cast<double>(vertices)) return;
+  throw InputError(
+      "interaction.cell_m " + std::to_string(interaction_.cell_m),
+      std::to_string(outside) + " of " + std::to_string(vertices) +
+          " vertices lie outside of what a grid of such cells can cover, or are not finite: choose a larger "
+          "cell, or leave out the strands that are far from the others");
 }
 
 void VoxelGrid::set_rest_density(const StrandBlocks& blocks) {
@@ -251,6 +276,15 @@ void VoxelGrid::apply(StrandBlocks& blocks, const GridStep& step) const {
   });
 }
 
+bool VoxelGrid::moves_near(std::uint32_t key, float least_m_s) const noexcept {
+  const std::uint32_t up_z = nodes_.box().up_z();
+  for (const std::uint32_t row : {key, key + 1, key + up_z, key + up_z + 1}) {
+    const std::uint32_t begin = nodes_.directory()[row];
+    if (begin != 0 && nodes_.fastest_sq(begin) > least_m_s * least_m_s) return true;
+  }
+  return false;
+}
+
 void VoxelGrid::wake(const StrandBlocks& blocks, const GridStep& step, std::span<std::uint8_t> stirred,
                      float wake_m_s) const {
   if (!needs_grid()) return;
@@ -264,10 +298,7 @@ void VoxelGrid::wake(const StrandBlocks& blocks, const GridStep& step, std::span
         for (int k = 0; k < kLanes; ++k) counts[k] = i < blocks.vertices[b].v[k];
         Places p;
         grid::locate(blocks.root[b], blocks.position[v], counts, cells_per_m_, box, p);
-        for (const std::uint32_t key : p.key) {
-          const std::uint32_t brick = nodes_.directory()[key];
-          if (brick != 0 && nodes_.fastest_sq(brick) > wake_m_s * wake_m_s) stirred[b] = 1;
-        }
+        for (const std::uint32_t key : p.key) stirred[b] |= moves_near(key, wake_m_s);
       }
     }
   });

@@ -1,10 +1,10 @@
 // Voxel grid of hair: density and velocity of the strands around a place, and what they do to a vertex: friction,
 // repulsion, shelter from the wind. [Almeida2014 section 3.2, eqs. 3.2-3.5; Petrovic2005; Mueller2012]
-// Formulas: grid_nodes.h. Sparse: only bricks of 4^3 cells that hold vertices exist (grid_frame.h). The same bits for
-// any number of threads and on any CPU (grid_deposit.h).
+// Formulas: grid_nodes.h. Sparse: only rows of 8 nodes that hair is at exist (grid_frame.h). The same bits for any
+// number of threads and on any CPU (grid_deposit.h).
 //
-// A vertex far from all other hair, farther than the directory's kMostBricks reach (5 m at cells of 1 cm, half a metre
-// at 1 mm, around the median root), is a stray: it has no neighbours; only the wind blows on it.
+// A vertex farther from all other hair than the directory of kMostRows reaches (3.2 m at cells of 1 cm, a third of a
+// metre at 1 mm, centred on the median root) is a stray: it has no neighbours; only the wind blows on it.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ struct GridStep {
 
 class VoxelGrid {
  public:
-  static constexpr std::uint32_t kMostBricks = 1U << 21;  // 8 MiB of directory
+  static constexpr std::uint32_t kMostRows = 1U << 22;  // of a directory: 16 MiB, once and per run of strands
 
   /// @throws UsageError for a cell that is not finite and above 0
   VoxelGrid(const InteractionSettings& interaction, const WindSettings& wind);
@@ -44,20 +44,21 @@ class VoxelGrid {
   bool idle() const noexcept { return !interacts() && wind_.still(); }
 
   /// Eqs. 3.2, 3.3 of all blocks; every vertex carries the length of its segments.
+  /// @throws InputError when more than 1 % of the vertices (and 16) are strays or not finite
   void build(const StrandBlocks& blocks, const GridStep& step);
 
   /// Friction, repulsion and wind on the kinematic velocities of vertices 1.. of the blocks that are awake, which are
   /// where they were when build() saw them. Wind that nothing shelters from needs no grid: build() does nothing then.
   void apply(StrandBlocks& blocks, const GridStep& step) const;
 
-  /// After build(): sets stirred[block] = 1 for the blocks asleep (step.awake) that have a vertex in a brick where hair
-  /// moves, on the mean of a node, faster than this.
+  /// After build(): sets stirred[block] = 1 for the blocks asleep (step.awake) that have a vertex at a row of nodes
+  /// where hair moves, on the mean of a node, faster than this.
   void wake(const StrandBlocks& blocks, const GridStep& step, std::span<std::uint8_t> stirred, float wake_m_s) const;
 
   /// Of the last build, at a point of the grid frame [m].
   float density(const glm::vec3& p) const noexcept;
   glm::vec3 velocity(const glm::vec3& p) const noexcept;
-  std::size_t bricks() const noexcept { return nodes_.bricks(); }
+  std::size_t rows() const noexcept { return nodes_.rows(); }
   std::size_t used_nodes() const noexcept { return nodes_.used_nodes(); }
   std::size_t strays() const noexcept;
   std::size_t bytes() const noexcept;
@@ -66,6 +67,8 @@ class VoxelGrid {
   bool interacts() const noexcept { return interaction_.friction_per_s > 0 || interaction_.repulsion_m_s2 > 0; }
   bool needs_grid() const noexcept { return interacts() || (!wind_.still() && shelter_ > 0); }
   void deposit(const StrandBlocks& blocks);
+  void check_strays() const;
+  bool moves_near(std::uint32_t key, float least_m_s) const noexcept;
   float interpolate(int quantity, const glm::vec3& p) const noexcept;
 
   InteractionSettings interaction_;

@@ -269,7 +269,7 @@ TEST(VoxelGrid, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(VoxelGrid, AnswersDoNotDependOnHairFarAway) {
-  // Bricks and runs differ, cells do not.
+  // Rows and runs differ, cells do not.
   StrandBlocks a = random_blocks(200, 12, 0.05F, 4);
   Strands hair, more;
   each_vertex(a, [&](std::size_t, std::uint32_t i, std::uint32_t n, std::size_t b, std::size_t k) {
@@ -534,7 +534,7 @@ TEST(VoxelGrid, TakesNoHair) {
   grid.build(none, {});
   grid.apply(none, {});
   EXPECT_EQ(grid.density({0, 0, 0}), 0);
-  EXPECT_EQ(grid.bricks(), 0U);
+  EXPECT_EQ(grid.rows(), 0U);
 
   Strands roots_only;
   roots_only.append(std::vector<glm::vec3>{{0, 0, 0}});
