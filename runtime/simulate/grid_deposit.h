@@ -19,9 +19,10 @@ struct Deposit {
   std::uint32_t first_block = 0, end_block = 0;
   glm::vec3 low{0}, high{0};             // of its vertices that are finite [cells]; low > high: none
   Directory directory;                   // over the box that fill() was given
-  std::vector<std::uint32_t> keys;       // [rows] that exist, in the order of their first vertex
+  std::vector<std::uint32_t> keys;       // [rows] that exist; the first is nobody's
   std::vector<float> nodes;              // [1 + rows][kRow + 1][4] mass [m], mass x velocity
   std::size_t vertices = 0, strays = 0;  // strays: outside the box, or not finite
+  bool grew = false;                     // rows were made by the last fill()
 
   std::size_t bytes() const noexcept { return 4 * (directory.capacity() + keys.capacity() + nodes.capacity()); }
 };
@@ -29,7 +30,8 @@ struct Deposit {
 /// Fills low and high.
 void measure(const StrandBlocks& blocks, float cells_per_m, Deposit& deposit) noexcept;
 
-/// Fills the rest.
-void fill(const StrandBlocks& blocks, float cells_per_m, const Box& box, Deposit& deposit);
+/// Fills the rest. Hair moves little in a step: rows that exist stay, without hair if there is none.
+/// @param fresh  the box is another, or rows that hold no hair any more are to go
+void fill(const StrandBlocks& blocks, float cells_per_m, const Box& box, bool fresh, Deposit& deposit);
 
 }  // namespace pelage::grid

@@ -22,6 +22,7 @@ inline constexpr int kRow = 8;                   // nodes of a row, a power of t
 inline constexpr std::uint32_t kNodeFloats = 4;  // mass and momentum, later F and c (grid_nodes.h)
 inline constexpr std::uint32_t kRowFloats = kNodeFloats * (kRow + 1);
 using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));  // a row, or the two ends of an edge
+using Float4 = float __attribute__((vector_size(16), aligned(4), may_alias));  // a node
 static_assert(kRow == 8);
 inline constexpr float kFarthest = 2e6F;  // cells from the origin; farther, a float has no digits left for the weights
 

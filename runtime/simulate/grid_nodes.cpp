@@ -190,11 +190,19 @@ PELAGE_CLONES void act_on_rows(const Terms& t, const View& view, std::size_t fro
 
 }  // namespace
 
-/// Rows in the order of their keys, so that neighbours lie near each other: those of the deposits, and those of which
-/// only the first node got hair, as the last of the row before.
+/// A row that no deposit holds, but its first node got hair, as the last of the row before.
+bool Nodes::goes_on(std::span<const Deposit> deposits, std::uint32_t key) const noexcept {
+  return std::any_of(deposits.begin(), deposits.end(), [&](const Deposit& d) {
+    return d.directory[key] != 0 && d.nodes[d.directory[key] + kNodeFloats * kRow] > 0;
+  });
+}
+
+/// Rows in the order of their keys, so that neighbours lie near each other: those of the deposits, and those into which
+/// one of them goes on.
 void Nodes::collect_keys(std::span<const Deposit> deposits, const Box& box) {
   for (const std::uint32_t key : keys_) directory_[key] = 0;
   keys_.clear();
+  ends_.clear();
   box_ = box;
   directory_.resize(directory_size(box_));
   for (std::uint32_t from = 0; from < directory_.size(); from += kDirectoryStep) {
@@ -206,25 +214,24 @@ void Nodes::collect_keys(std::span<const Deposit> deposits, const Box& box) {
     for (std::uint32_t i = 0; i < kDirectoryStep; ++i)
       if (any[i] != 0) keys_.push_back(from + i);
   }
-  // In what the deposits found, rows are in order; those that go on into a row of nobody's come into their places.
   const std::size_t found = keys_.size();
   for (std::size_t n = 0; n < found; ++n) {
     const std::uint32_t next = keys_[n] + box_.up_x();
-    bool held = false, goes_on = false;
-    for (const Deposit& d : deposits) {
-      held |= d.directory[next] != 0;
-      const std::uint32_t begin = d.directory[keys_[n]];
-      goes_on |= begin != 0 && d.nodes[begin + kNodeFloats * kRow] > 0;
-    }
-    if (goes_on && !held) keys_.push_back(next);
+    if (std::any_of(deposits.begin(), deposits.end(), [&](const Deposit& d) { return d.directory[next] != 0; }))
+      continue;
+    if (goes_on(deposits, keys_[n]))
+      keys_.push_back(next);
+    else
+      ends_.push_back(keys_[n]);
   }
-  const auto middle = keys_.begin() + static_cast<std::ptrdiff_t>(found);
-  std::inplace_merge(keys_.begin(), middle, keys_.end());
+  std::inplace_merge(keys_.begin(), keys_.begin() + static_cast<std::ptrdiff_t>(found), keys_.end());
   for (std::size_t n = 0; n < keys_.size(); ++n) directory_[keys_[n]] = static_cast<std::uint32_t>(n + 1) * kRowFloats;
 }
 
 void Nodes::merge(std::span<const Deposit> deposits, const Box& box, float cell_m) {
-  collect_keys(deposits, box);
+  if (std::any_of(deposits.begin(), deposits.end(), [](const Deposit& d) { return d.grew; }) ||
+      std::any_of(ends_.begin(), ends_.end(), [&](std::uint32_t key) { return goes_on(deposits, key); }))
+    collect_keys(deposits, box);
   values_.resize((1 + keys_.size()) * kValues);
   fastest_sq_.resize(1 + keys_.size());
   std::fill_n(values_.begin(), kValues, 0.0F);
@@ -261,8 +268,8 @@ float Nodes::value(int quantity, const glm::ivec3& node) const noexcept {
 }
 
 std::size_t Nodes::bytes() const noexcept {
-  return 4 *
-         (directory_.capacity() + keys_.capacity() + values_.capacity() + fastest_sq_.capacity() + fields_.capacity());
+  return 4 * (directory_.capacity() + keys_.capacity() + ends_.capacity() + values_.capacity() +
+              fastest_sq_.capacity() + fields_.capacity());
 }
 
 }  // namespace pelage::grid

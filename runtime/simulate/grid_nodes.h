@@ -36,7 +36,8 @@ struct Terms {
 
 class Nodes {
  public:
-  /// Adds up the deposits in their order; density and velocity of each node.
+  /// Adds up the deposits in their order; density and velocity of each node. Rows are looked for only when some deposit
+  /// made new ones; another box than last time: all of them did.
   void merge(std::span<const Deposit> deposits, const Box& box, float cell_m);
   /// What the nodes do to a vertex.
   void act(const Terms& terms);
@@ -55,11 +56,13 @@ class Nodes {
   std::size_t bytes() const noexcept;
 
  private:
+  bool goes_on(std::span<const Deposit> deposits, std::uint32_t key) const noexcept;
   void collect_keys(std::span<const Deposit> deposits, const Box& box);
 
   Box box_;
   Directory directory_;
-  std::vector<std::uint32_t> keys_;  // [rows]
+  std::vector<std::uint32_t> keys_;  // [rows], increasing
+  std::vector<std::uint32_t> ends_;  // of rows without a next one
   std::vector<float> values_;        // [1 + rows][density, velocity x, y, z][kRow]
   std::vector<float> fastest_sq_;    // [1 + rows]
   std::vector<float> fields_;        // [1 + rows][kRow + 1][4]

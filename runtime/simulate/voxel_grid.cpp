@@ -18,10 +18,12 @@ using grid::Box;
 using grid::Float8;
 using grid::Places;
 using Int8 = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
-using Float4 = float __attribute__((vector_size(16), aligned(4), may_alias));
+using grid::Float4;
 
 constexpr std::size_t kRunVertices = 32768;  // lanes times vertices; smaller runs share more rows with others
 constexpr std::size_t kMostRuns = 16;
+constexpr int kSlackCells = 2;        // around the hair, so that its box need not change with every step
+constexpr int kKeptSteps = 64;        // then rows that hair has left go
 constexpr double kMostStrays = 0.01;  // of the vertices
 
 /// 1 - exp(-rate h)
@@ -73,15 +75,24 @@ Box box_around(const glm::ivec3& low, const glm::ivec3& high) noexcept {
   return box;
 }
 
+bool holds(const Box& box, const Box& other) noexcept {
+  for (int a = 0; a < 3; ++a) {
+    const int per = a == 0 ? grid::kRow : 1;
+    if (other.low[a] < box.low[a] || other.low[a] + other.size[a] * per > box.low[a] + box.size[a] * per) return false;
+  }
+  return true;
+}
+
 /// Rows for all deposits, at most `most`: a cube around the median root if there would be more.
-Box box_of(const StrandBlocks& blocks, std::span<const grid::Deposit> deposits, float cells_per_m, std::uint32_t most) {
+Box box_of(const StrandBlocks& blocks, std::span<const grid::Deposit> deposits, float cells_per_m, std::uint32_t most,
+           int slack) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const grid::Deposit& d : deposits) {
     low = glm::min(low, d.low);
     high = glm::max(high, d.high);
   }
   if (!(low.x <= high.x)) return {};
-  const glm::ivec3 from(glm::floor(low)), to(glm::floor(high));
+  const glm::ivec3 from = glm::ivec3(glm::floor(low)) - slack, to = glm::ivec3(glm::floor(high)) + slack;
   const Box box = box_around(from, to);
   const glm::dvec3 size(box.size);
   if (size.x * size.y * size.z <= most) return box;
@@ -204,11 +215,22 @@ void VoxelGrid::deposit(const StrandBlocks& blocks) {
   if (deposits_.empty() || deposits_.back().end_block != blocks.count()) deposits_ = runs_of(blocks);
   tbb::parallel_for(std::size_t{0}, deposits_.size(),
                     [&](std::size_t d) { grid::measure(blocks, cells_per_m_, deposits_[d]); });
-  const Box box = box_of(blocks, deposits_, cells_per_m_, kMostRows);
+  const bool fresh = place_box(blocks);
   tbb::parallel_for(std::size_t{0}, deposits_.size(),
-                    [&](std::size_t d) { grid::fill(blocks, cells_per_m_, box, deposits_[d]); });
+                    [&](std::size_t d) { grid::fill(blocks, cells_per_m_, box_, fresh, deposits_[d]); });
   check_strays();
-  nodes_.merge(deposits_, box, interaction_.cell_m);
+  nodes_.merge(deposits_, box_, interaction_.cell_m);
+}
+
+/// Keeps the box while the hair is inside and does not leave most of it, for kKeptSteps at most.
+/// @return whether it is another
+bool VoxelGrid::place_box(const StrandBlocks& blocks) {
+  const Box tight = box_of(blocks, deposits_, cells_per_m_, kMostRows, 0);
+  const bool inside = holds(box_, tight);
+  if (inside && box_.count() <= 4 * tight.count() && !deposits_[0].keys.empty() && ++age_ < kKeptSteps) return false;
+  age_ = 0;
+  box_ = box_of(blocks, deposits_, cells_per_m_, kMostRows, kSlackCells);
+  return true;
 }
 
 void VoxelGrid::check_strays() const {

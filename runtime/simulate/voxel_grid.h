@@ -67,6 +67,7 @@ class VoxelGrid {
   bool interacts() const noexcept { return interaction_.friction_per_s > 0 || interaction_.repulsion_m_s2 > 0; }
   bool needs_grid() const noexcept { return interacts() || (!wind_.still() && shelter_ > 0); }
   void deposit(const StrandBlocks& blocks);
+  bool place_box(const StrandBlocks& blocks);
   void check_strays() const;
   bool moves_near(std::uint32_t key, float least_m_s) const noexcept;
   float interpolate(int quantity, const glm::vec3& p) const noexcept;
@@ -76,6 +77,8 @@ class VoxelGrid {
   float cells_per_m_;
   float rest_density_ = 0;  // 0: not known yet
   Wind wind_;
+  grid::Box box_;
+  int age_ = 0;  // steps since the box was chosen
   std::vector<grid::Deposit> deposits_;
   grid::Nodes nodes_;
 };
