@@ -42,22 +42,25 @@ PELAGE_CLONES std::uint32_t prepare(const StrandBlocks& blocks, std::uint32_t bl
     missing |= absent << r;
     const Lanes3& velocity = blocks.velocity[v];
     alignas(64) float mass[kLanes], x[kLanes], y[kLanes], z[kLanes];
-    for (std::uint32_t k = 0; k < kLanes; ++k) {
-      outside[k] += static_cast<std::uint32_t>(counts[k] & (p.key[k] == 0));
+    // Loops apart: what is written may not be what another reads, or the compiler gives up.
+    for (int k = 0; k < kLanes; ++k) outside[k] += static_cast<std::uint32_t>(counts[k] & (p.key[k] == 0));
+    for (int k = 0; k < kLanes; ++k) {
       const float ends = (i > 0 ? 0.5F : 0.0F) + (i < vertices[k] - 1 ? 0.5F : 0.0F);
       mass[k] = segment[k] * ends;
       x[k] = mass[k] * velocity.x[k];
       y[k] = mass[k] * velocity.y[k];
       z[k] = mass[k] * velocity.z[k];
+    }
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
       const float fy = p.fy[k], fz = p.fz[k];
-      tile.key[first + k] = p.key[k];
-      tile.node[first + k] = p.node[k];
-      tile.far[first + k] = p.fx[k];
       tile.share[0][first + k] = (1 - fy) * (1 - fz);
       tile.share[1][first + k] = fy * (1 - fz);
       tile.share[2][first + k] = (1 - fy) * fz;
       tile.share[3][first + k] = fy * fz;
     }
+    std::memcpy(tile.far + first, p.fx, sizeof p.fx);
+    std::memcpy(tile.key + first, p.key, sizeof p.key);
+    std::memcpy(tile.node + first, p.node, sizeof p.node);
     for (int h = 0; h < kLanes; h += 8)
       to_nodes(row_of(mass + h), row_of(x + h), row_of(y + h), row_of(z + h), tile.deposit[first] + 4 * h);
   }

@@ -125,10 +125,17 @@ Node<T>& node_for(Octree<T>& grid, const glm::ivec3& i) {
   return grid.make(i);
 }
 
+/// Largest whole number not above: std::floor is a call on machines that the compiler may not count on.
+template <class T>
+int cell_of(T u) {
+  const int cell = static_cast<int>(u);
+  return cell - (u < static_cast<T>(cell));
+}
+
 template <class T, class Visit>
 void each_corner(const glm::vec<3, T>& u, Visit&& visit) {
-  const glm::vec<3, T> low = glm::floor(u), f = u - low;
-  const glm::ivec3 cell(low);
+  const glm::ivec3 cell(cell_of(u.x), cell_of(u.y), cell_of(u.z));
+  const glm::vec<3, T> f = u - glm::vec<3, T>(cell);
   for (int c = 0; c < 8; ++c) {
     const glm::ivec3 d(c & 1, c >> 1 & 1, c >> 2);
     visit(cell + d, (d.x ? f.x : 1 - f.x) * (d.y ? f.y : 1 - f.y) * (d.z ? f.z : 1 - f.z));
