@@ -11,10 +11,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "pelage/simulate/lane_math.h"
 #include "pelage/simulate/strand_blocks.h"
-
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#define PELAGE_INLINE [[gnu::always_inline]] inline
 
 namespace pelage::grid {
 

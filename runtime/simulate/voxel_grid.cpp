@@ -212,7 +212,10 @@ VoxelGrid::VoxelGrid(const InteractionSettings& interaction, const WindSettings&
 }
 
 void VoxelGrid::deposit(const StrandBlocks& blocks) {
-  if (deposits_.empty() || deposits_.back().end_block != blocks.count()) deposits_ = runs_of(blocks);
+  if (deposits_.empty() || blocks.first != first_) {
+    deposits_ = runs_of(blocks);
+    first_ = blocks.first;
+  }
   tbb::parallel_for(std::size_t{0}, deposits_.size(),
                     [&](std::size_t d) { grid::measure(blocks, cells_per_m_, deposits_[d]); });
   const bool fresh = place_box(blocks);

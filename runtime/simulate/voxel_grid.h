@@ -78,7 +78,8 @@ class VoxelGrid {
   float rest_density_ = 0;  // 0: not known yet
   Wind wind_;
   grid::Box box_;
-  int age_ = 0;  // steps since the box was chosen
+  int age_ = 0;                       // steps since the box was chosen
+  std::vector<std::uint32_t> first_;  // of the blocks that the deposits were made for
   std::vector<grid::Deposit> deposits_;
   grid::Nodes nodes_;
 };

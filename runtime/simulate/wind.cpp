@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#include "pelage/simulate/lane_math.h"
 
 namespace pelage {
 namespace {

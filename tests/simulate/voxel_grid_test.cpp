@@ -287,6 +287,35 @@ TEST(VoxelGrid, AnswersDoNotDependOnHairFarAway) {
   for (const glm::vec3& p : hair.vertices) EXPECT_NEAR(one.density(p), two.density(p), 1e-5F * one.density(p));
 }
 
+TEST(VoxelGrid, AnswersDoNotDependOnTheStepsBefore) {
+  // Rows and box are kept from step to step; hair that falls and spreads leaves them and finds new ones.
+  StrandBlocks blocks = random_blocks(3000, 20, 0.08F, 6);
+  const StrandBlocks other = random_blocks(3100, 20, 0.05F, 8);
+  const WindSettings wind = wind_of({2, 0, 1}, 1);
+  VoxelGrid kept(interaction(40, 5), wind);
+  kept.set_rest_density(other);
+  std::size_t rows = 0;
+  for (int i = 0; i < 150; ++i) {
+    for (Lanes3& root : blocks.root)
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        root.y[k] -= 0.003F * static_cast<float>(k % 3);
+        root.x[k] *= 1.004F;
+      }
+    StrandBlocks a = blocks, b = blocks;
+    kept.build(a, {});
+    kept.apply(a, {});
+    rows = kept.rows();
+    if (i % 10 != 0) continue;
+    VoxelGrid fresh(interaction(40, 5), wind);
+    fresh.set_rest_density(other);
+    fresh.build(b, {});
+    fresh.apply(b, {});
+    ASSERT_EQ(std::memcmp(a.velocity.data(), b.velocity.data(), a.velocity.size() * sizeof(Lanes3)), 0) << i;
+    ASSERT_EQ(kept.used_nodes(), fresh.used_nodes());
+    EXPECT_LT(rows, 4 * fresh.rows()) << i;  // those left behind go
+  }
+}
+
 TEST(VoxelGrid, SharesOneVertexOutByTrilinearWeights) {
   const glm::vec3 p = kCell * glm::vec3(3.25F, -2.5F, 7.125F);
   StrandBlocks blocks = pair_of_strands(p, p + glm::vec3(0, 0.5F, 0));
