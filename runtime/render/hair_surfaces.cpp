@@ -1,5 +1,6 @@
 #include "pelage/render/hair_surfaces.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -47,10 +48,15 @@ void add_surface(const SatfModel& model, std::size_t instance, int layer, float 
   const auto width = static_cast<float>(model.layout.widths[static_cast<std::size_t>(layer)]);
   const int last = swept.plates();
   const float grown = radius / std::sqrt(std::cos(kTwoPi / 2.0F / static_cast<float>(columns)));
+  std::vector<glm::vec2> ring;
+  for (int c = 0; c <= columns; ++c) {
+    const float share = static_cast<float>(c) / static_cast<float>(columns);
+    ring.push_back(grown * glm::vec2(std::cos(kTwoPi * share), std::sin(kTwoPi * share)));
+  }
   for (int i = 0; i <= last; ++i) {
     for (int c = 0; c <= columns; ++c) {
       const float share = static_cast<float>(c) / static_cast<float>(columns);
-      const glm::vec2 disk = grown * glm::vec2(std::cos(kTwoPi * share), std::sin(kTwoPi * share));
+      const glm::vec2 disk = ring[static_cast<std::size_t>(c)];
       const Frame& frame = swept.frames[static_cast<std::size_t>(i)];
       SurfaceVertex v{};
       v.position = swept.point(i, disk);
@@ -139,12 +145,25 @@ std::uint64_t key_of(const HairSurfaces& surfaces, const Division& division, Dra
 }  // namespace
 
 HairSurfaces make_surfaces(const SatfModel& model) {
-  HairSurfaces out;
-  for (std::size_t i = 0; i < model.instances.size(); ++i) {
-    for (int layer = 0; layer < model.division.layers; ++layer) add_layer(model, i, layer, out);
+  std::vector<HairSurfaces> parts(model.instances.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    for (int layer = 0; layer < model.division.layers; ++layer) add_layer(model, i, layer, parts[i]);
     glm::vec3 sum{0.0F};
     for (const Frame& f : model.instances[i].swept.frames) sum += f.position;
-    out.instance_centres.push_back(sum / static_cast<float>(model.instances[i].swept.frames.size()));
+    parts[i].instance_centres.push_back(sum / static_cast<float>(model.instances[i].swept.frames.size()));
+  });
+  HairSurfaces out;
+  std::size_t vertices = 0, patches = 0;
+  for (const HairSurfaces& part : parts) vertices += part.vertices.size(), patches += part.patches.size();
+  out.vertices.reserve(vertices);
+  out.patches.reserve(patches);
+  for (HairSurfaces& part : parts) {
+    const auto first = static_cast<std::uint32_t>(out.vertices.size());
+    for (Patch& p : part.patches) p.outer += first, p.inner += first;
+    out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
+    out.patches.insert(out.patches.end(), part.patches.begin(), part.patches.end());
+    out.instance_centres.push_back(part.instance_centres[0]);
+    part = {};
   }
   return out;
 }

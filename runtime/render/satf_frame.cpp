@@ -76,6 +76,8 @@ void SatfFrame::move_hair(std::span<const Cluster> clusters) {
 
 void SatfFrame::update_surfaces() {
   auto stage = ledger_.run("surfaces");
+  if (moved_) place_model(style_, model_);
+  moved_ = false;
   surfaces_ = make_surfaces(model_);
   strands_ = hair_strands(style_, model_);
   stage.bytes(surfaces_.vertices.size() * sizeof(SurfaceVertex));
@@ -88,9 +90,7 @@ void SatfFrame::update_surfaces() {
 void SatfFrame::update(const FrameSettings& frame) {
   check_light_count(frame.lights);
   if (moved_) {
-    place_model(style_, model_);
     update_surfaces();
-    moved_ = false;
     last_.reset();
   }
   if (!last_ || !same_shadows(*last_, frame)) update_shadows(frame);

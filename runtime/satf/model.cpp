@@ -1,5 +1,7 @@
 #include "pelage/satf/model.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -59,6 +61,16 @@ std::vector<float> masses_of(const SatfModel& model) {
   return masses;
 }
 
+bool same_cross_sections(const std::vector<Instance>& a, const std::vector<Instance>& b) {
+  const auto same = [](const CrossSection& s, const CrossSection& t) {
+    return s.xx == t.xx && s.xy == t.xy && s.yy == t.yy;
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Instance& i, const Instance& j) {
+    const auto &s = i.swept.cross_sections, &t = j.swept.cross_sections;
+    return std::equal(s.begin(), s.end(), t.begin(), t.end(), same);
+  });
+}
+
 RingTable ring_table(int width) {
   RingTable ring;
   for (int x = 0; x < width; ++x) {
@@ -72,13 +84,15 @@ RingTable ring_table(int width) {
 }  // namespace
 
 std::vector<Instance> instances_of(const Hairstyle& style) {
+  std::vector<SweptCluster> swept(style.clusters.size());
+  tbb::parallel_for(std::size_t{0}, swept.size(),
+                    [&](std::size_t c) { swept[c] = sweep(style.clusters[c], style.division.plates); });
   std::vector<Instance> instances;
   for (std::size_t c = 0; c < style.clusters.size(); ++c) {
     const Cluster& cluster = style.clusters[c];
-    SweptCluster swept = sweep(cluster, style.division.plates);
     const auto id = static_cast<std::uint32_t>(c);
-    for (const glm::mat4& m : cluster.transforms) instances.push_back({id, transformed(swept, m)});
-    if (cluster.transforms.empty()) instances.push_back({id, std::move(swept)});
+    for (const glm::mat4& m : cluster.transforms) instances.push_back({id, transformed(swept[c], m)});
+    if (cluster.transforms.empty()) instances.push_back({id, std::move(swept[c])});
   }
   return instances;
 }
@@ -90,8 +104,9 @@ std::size_t SatfModel::track(std::size_t instance, int layer, int sector) const 
 }
 
 void place_model(const Hairstyle& style, SatfModel& model) {
-  model.instances = instances_of(style);
-  model.mass_per_area = masses_of(model);
+  std::vector<Instance> before = instances_of(style);
+  before.swap(model.instances);
+  if (!same_cross_sections(before, model.instances)) model.mass_per_area = masses_of(model);
 }
 
 SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int samples) {

@@ -64,8 +64,9 @@ struct SatfModel {
 /// @throws InputError when `samples` is not a multiple of 4 or the division is out of range
 SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int samples);
 
-/// What depends on where clusters are, not on what is in them: instances and their masses. For clusters that have moved
-/// since make_model() and hold the same strands: sectors and all that was looked up for them stay.
+/// What depends on where clusters are, not on what is in them: instances, and their masses if they have grown. For
+/// clusters that have moved since make_model() and hold the same strands: sectors and all that was looked up for them
+/// stay.
 void place_model(const Hairstyle& style, SatfModel& model);
 
 }  // namespace pelage
