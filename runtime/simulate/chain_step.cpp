@@ -10,18 +10,42 @@ namespace {
 
 constexpr float kDegrees = 0.017453293F;
 
-/// Follow-the-leader of one group: q is where it would like to be; out: its direction from the leader, and as the
-/// leader's impulse what the constraint alone moved it by.
-PELAGE_INLINE void follow(const ChainBlock& b, std::uint32_t i, float correction_per_s, const Lanes3& wish, Placing& p,
-                          Lanes3& leader_impulse) noexcept {
+/// Where a follower goes that would like to be `to` away from its leader, and by how much the constraint moves it
+/// along that way: d of eq. 3.1 = moved_m x along.
+struct Followed {
+  Vec along;      // unit
+  float moved_m;  // saturating, see below
+};
+
+/// The correction saturates at kMostMoved segments. A segment that is thrown about by more than its own length in a
+/// step turns over, and its correction, given back whole as velocity, turns the leader over in the next: some strands
+/// then spin for ever at two segments per step, whatever the damping, and these are the flying tips of [Almeida2014
+/// section 4]. Measured after half a turn of the head in one frame, of 100 strands: unbounded 14 spin, saturating
+/// at 2.5 one, at 1.5 none (nor with 8 or 32 vertices, steps of 1/240 to 1/960 s, damping of .5 /s); a sharp bound at
+/// half a segment stops them too, but throws tips at 3.6 times the roots' speed (this: 1.5). To second order without
+/// effect, so the scheme converges as before; segments should be longer than N g h^2 (.6 mm for 16 vertices at 1/480
+/// s).
+constexpr float kMostMoved = 1.5F;
+
+PELAGE_INLINE Followed follow(Vec to, float length) noexcept {
+  const float sq = dot(to, to);
+  const bool somewhere = sq > kNoLengthSq;
+  const float inverse = 1.0F / std::sqrt(somewhere ? sq : 1.0F);
+  const float missing = length - (somewhere ? sq * inverse : 0.0F), most = kMostMoved * length;
+  const float moved = missing * most / std::sqrt(std::max(most * most + missing * missing, kNoLengthSq));
+  return {choose(somewhere, inverse * to, kDown), moved};
+}
+
+/// Follow-the-leader of one group: `wish` is where it would like to be; out: its direction from the leader, and what it
+/// gives back to the leader.
+PELAGE_INLINE void follow_leaders(const ChainBlock& b, std::uint32_t i, float correction_per_s, const Lanes3& wish,
+                                  Placing& p, Lanes3& leader_impulse) noexcept {
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) {
     const float length = segment(b, i, l);
-    const Vec q = load(wish, l), before = load(p.before, l);
-    const Vec along = direction(q - before, kDown);
-    const Vec d = before + length * along - q;
-    store(leader_impulse, l, choose(length > 0.0F, -correction_per_s * d, Vec{0, 0, 0}));
-    store(p.along, l, along);
+    const Followed f = follow(load(wish, l) - load(p.before, l), length);
+    store(leader_impulse, l, (-correction_per_s * f.moved_m) * f.along);
+    store(p.along, l, f.along);
     p.length.v[l] = length;
   }
 }
@@ -50,15 +74,15 @@ PELAGE_INLINE void follow_freely(const ChainArrays& s, const ChainBlock& b, std:
 #pragma GCC unroll 1
   for (int l = 0; l < kLanes; ++l) {
     const float length = kWhole ? b.segment_m.v[l] : segment(b, i, l);
-    const float correction = kWhole || length > 0.0F ? -f.correction_per_s : 0.0F;
     const Vec x = load(position[0], l) - load(b.root_shift, l);
     const Vec q = x + f.h * (load(velocity[0], l) + load(impulse[0], l)) + f.fall;
     const Vec before = load(position[-1], l);
-    const Vec at = before + length * direction(q - before, kDown);
+    const Followed way = follow(q - before, length);
+    const Vec at = before + length * way.along;
     const Vec d = at - x;
     const float sq = dot(d, d);
     moved.v[l] = sq > moved.v[l] ? sq : moved.v[l];
-    store(impulse[-1], l, correction * (at - q));
+    store(impulse[-1], l, (-f.correction_per_s * way.moved_m) * way.along);
     store(velocity[0], l, velocity_per_m * d);
     store(position[0], l, at);
   }
@@ -80,7 +104,7 @@ PELAGE_INLINE void follow_constrained(StrandBlocks& s, std::size_t block, std::u
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) store(wish, l, predicted(s, b, vertex, l, f.h, f.fall));
   if (step.hold_rad_s > 0) hold_shape(s, b, i, step, turn, wish);
-  follow(b, i, f.correction_per_s, wish, p, s.impulse[vertex - 1]);
+  follow_leaders(b, i, f.correction_per_s, wish, p, s.impulse[vertex - 1]);
   if (!step.cone_cos.empty()) keep_in_cone(step.cone_cos[vertex], before_along, p.along);
   place(p, at);
   if (step.colliders != nullptr) collide(s, b, block, i, step, p, at);

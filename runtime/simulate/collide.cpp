@@ -31,9 +31,10 @@ void look(const StrandBlocks& s, std::size_t block, const ChainStep& step, const
   step.colliders->nearest(points, step.collision_margin_m, near);
 }
 
-/// Coulomb: what slides along the surface is held back by at most `friction` times what it is pushed out by.
+/// Coulomb: what slides along the surface is held back by at most `friction` times what it is pushed out by. Depths
+/// follow to first order.
 PELAGE_CLONES void hold_back(const StrandBlocks& s, const ChainBlock& b, std::uint32_t vertex, float friction,
-                             const Nearest& near, const Lanes& depth, Placing& p, const Lanes3& at) noexcept {
+                             const Nearest& near, Lanes& depth, Placing& p, const Lanes3& at) noexcept {
 #pragma GCC ivdep
   for (int l = 0; l < kLanes; ++l) {
     const Vec n = load(near.normal, l), q = load(at, l);
@@ -42,9 +43,12 @@ PELAGE_CLONES void hold_back(const StrandBlocks& s, const ChainBlock& b, std::ui
     const float sq = dot(slide, slide);
     const float most = friction * depth.v[l];
     const float share = sq > most * most ? most / std::sqrt(sq > 0.0F ? sq : 1.0F) : 1.0F;
-    const Vec along = load(p.along, l);
-    const Vec held = direction(q - share * slide - load(p.before, l), along);
-    store(p.along, l, choose(depth.v[l] > 0.0F, held, along));
+    const Vec along = load(p.along, l), before = load(p.before, l);
+    const Vec held = direction(q - share * slide - before, along);
+    const float nearer = dot(before + p.length.v[l] * held - q, n);
+    const bool touches = depth.v[l] > 0.0F;
+    store(p.along, l, choose(touches, held, along));
+    depth.v[l] = touches ? std::max(depth.v[l] - nearer, 0.0F) : 0.0F;
   }
 }
 
@@ -72,15 +76,12 @@ void collide(const StrandBlocks& s, const ChainBlock& b, std::size_t block, std:
   Lanes depth;
   look(s, block, step, at, near);
   if (!shortfalls(p, near, depth)) return;
-  if (step.contact_friction > 0) {
-    hold_back(s, b, b.first + i, step.contact_friction, near, depth, p, at);
-    place(p, at);
-    look(s, block, step, at, near);
-  }
-  for (int round = 0; round < kRounds && shortfalls(p, near, depth); ++round) {
+  if (step.contact_friction > 0) hold_back(s, b, b.first + i, step.contact_friction, near, depth, p, at);
+  for (int round = 0; round < kRounds; ++round) {
     turn_out(near, depth, p);
     place(p, at);
     look(s, block, step, at, near);
+    if (!shortfalls(p, near, depth)) return;
   }
 }
 
