@@ -28,16 +28,6 @@ constexpr HairlinePoint kHairline[] = {{0.00F, 0.58F},  {0.32F, 0.60F},  {0.46F,
                                        {0.85F, 0.14F},  {1.00F, 0.17F},  {1.12F, 0.10F},  {1.25F, -0.06F},
                                        {1.35F, -0.26F}, {1.50F, -0.45F}, {1.75F, -0.60F}, {2.00F, -0.64F}};
 
-float hairline(vec3 d) {
-  const float side = std::abs(d.x), sum = side + std::abs(d.z);
-  const float share = sum > 0 ? side / sum : 0.0F;
-  const float azimuth = d.z >= 0 ? share : 2.0F - share;
-  std::size_t k = 1;
-  while (k + 1 < std::size(kHairline) && kHairline[k].azimuth < azimuth) ++k;
-  const HairlinePoint &a = kHairline[k - 1], &b = kHairline[k];
-  return a.sine + (b.sine - a.sine) * smooth_step(a.azimuth, b.azimuth, azimuth);
-}
-
 /// Directions of a lattice of `total` points over the sphere that lie inside the hairline.
 std::vector<vec3> directions_inside(std::uint32_t total, const CounterRandom& random) {
   const float spacing = std::sqrt(12.566371F / static_cast<float>(total));
@@ -52,7 +42,7 @@ std::vector<vec3> directions_inside(std::uint32_t total, const CounterRandom& ra
     const vec3 shift = vec3(u[0], u[1], u[2]) - 0.5F;
     const vec3 d =
         glm::normalize(vec3(ring * cos_turns(turn), y, ring * sin_turns(turn)) + 2 * kJitter * spacing * shift);
-    if (d.y > hairline(d) + kFuzz * (u[3] - 0.5F)) inside.push_back(d);
+    if (d.y > hairline_sine(d) + kFuzz * (u[3] - 0.5F)) inside.push_back(d);
   }
   return inside;
 }
@@ -88,6 +78,16 @@ vec3 project(const HeadField& field, vec3 centre, vec3 direction, float from_m) 
 }
 
 }  // namespace
+
+float hairline_sine(vec3 d) noexcept {
+  const float side = std::abs(d.x), sum = side + std::abs(d.z);
+  const float share = sum > 0 ? side / sum : 0.0F;
+  const float azimuth = d.z >= 0 ? share : 2.0F - share;
+  std::size_t k = 1;
+  while (k + 1 < std::size(kHairline) && kHairline[k].azimuth < azimuth) ++k;
+  const HairlinePoint &a = kHairline[k - 1], &b = kHairline[k];
+  return a.sine + (b.sine - a.sine) * smooth_step(a.azimuth, b.azimuth, azimuth);
+}
 
 vec3 skull_centre_m(const HeadParameters& head) noexcept {
   return head.height_m / 0.24F * kSkullCentre_m;

@@ -18,6 +18,9 @@ struct Root {
 /// Centre from which directions on the skull are measured [m].
 glm::vec3 skull_centre_m(const HeadParameters& head) noexcept;
 
+/// The hairline: sine of the elevation above which hair grows in a direction (unit, from the centre).
+float hairline_sine(glm::vec3 direction) noexcept;
+
 /// Exactly `count` roots, from the crown downwards: a jittered Fibonacci lattice, so that spacing is even to a third.
 std::vector<Root> scalp_roots(const HeadParameters& head, const HeadField& field, std::uint32_t count,
                               std::uint64_t seed);

@@ -97,6 +97,37 @@ TEST(Convert, TheUnitIsNamedWhereItIsTheTrouble) {
   EXPECT_THAT(result.err, HasSubstr("unit \"1e-300\""));
 }
 
+TEST(Groom, GrowsOnAGivenHeadAndSaysWhichOptionsBelongToIt) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run(folder, {"groom", "--strands", "3", "-o", "@a.hair", "--head-out", "@head.obj"}).code, 0);
+  const std::vector<std::string> on{"groom", "--on", "@head.obj", "--strands", "50", "-o", "@b.hair"};
+  const auto with = [&](std::vector<std::string> arguments, std::initializer_list<std::string> more) {
+    arguments.insert(arguments.end(), more);
+    return run(folder, arguments);
+  };
+  const Result grown = with(on, {"--length-m", "0.1", "--json"});
+  ASSERT_EQ(grown.code, 0) << grown.err;
+  EXPECT_EQ(nlohmann::json::parse(grown.out)["style"], "grown");
+  EXPECT_EQ(nlohmann::json::parse(grown.out)["vertices"], 50 * 16);
+  for (const auto& [option, value] : {std::pair<std::string, std::string>{"--style", "bob"},
+                                      {"--length-scale", "2"},
+                                      {"--head-out", "@c.obj"},
+                                      {"--unit", "mm"},
+                                      {"--face", "up"},
+                                      {"--length-m", "nan"},
+                                      {"--vertices", "1"},
+                                      {"--head-height", "-1"},
+                                      {"--output", "@head.obj"}}) {
+    const Result refused =
+        with(option == "--output" ? std::vector<std::string>{"groom", "--on", "@head.obj"} : on, {option, value});
+    EXPECT_EQ(refused.code, 2) << option << refused.err;
+  }
+  for (const char* option : {"--length-m", "--unit", "--up", "--face"})
+    EXPECT_THAT(run(folder, {"groom", option, "1", "-o", "@b.hair"}).err, HasSubstr("--on")) << option;
+  EXPECT_EQ(run(folder, {"groom", "--style", "grown", "-o", "@b.hair"}).code, 2);
+  EXPECT_EQ(run(folder, {"groom", "--on", "@missing.obj", "-o", "@b.hair"}).code, 4);
+}
+
 /// One bone, one strand whose weights sum to 0.5.
 std::string small_bones() {
   std::string bytes;

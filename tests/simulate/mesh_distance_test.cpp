@@ -135,6 +135,21 @@ TEST(MeshDistance, HasUnitNormalsAndKnowsTheWayOutside) {
   }
 }
 
+TEST(MeshDistance, NormalIsTheGradientOfTheDistance) {
+  const MeshDistance field(bumpy_mesh(), 0.005F);
+  const float e = 2e-5F;
+  for (const vec3& p : random_points(10, 3000, 0.12F)) {
+    const vec3 share = glm::fract((p - field.origin_m()) / field.cell_m());
+    if (std::min({share.x, share.y, share.z}) < 0.02F || std::max({share.x, share.y, share.z}) > 0.98F) continue;
+    const auto slope = [&](const vec3& way) {
+      return field.sample(p + way).distance_m - field.sample(p - way).distance_m;
+    };
+    const vec3 gradient = vec3(slope({e, 0, 0}), slope({0, e, 0}), slope({0, 0, e})) / (2 * e);
+    if (glm::length(gradient) < 0.3F) continue;  // a ridge: digits are lost
+    EXPECT_LT(glm::distance(glm::normalize(gradient), field.sample(p).normal), 5e-3F);
+  }
+}
+
 TEST(MeshDistance, LanesAreTheScalarSamples) {
   const MeshDistance field(bumpy_mesh(), 0.005F);
   for (unsigned seed = 0; seed < 300; ++seed) {
@@ -200,6 +215,22 @@ TEST(MeshDistance, OneTriangleHasTwoSides) {
   EXPECT_GT(field.sample({0.03F, 0.01F, 0.03F}).normal.y, 0.99F);
   EXPECT_GT(field.sample({0.03F, -0.02F, 0.03F}).distance_m, 0);  // a slab of two cells, then outside again
   EXPECT_GT(field.sample({0.3F, -0.001F, 0.3F}).distance_m, 0.1F);
+}
+
+TEST(MeshDistance, ManyTrianglesOnOneSideOfASpikeDoNotTiltItsTip) {
+  // A spike of four faces, one of which is a fan of 40: the normals' plain sum at the tip looks to that side and calls
+  // what is beside the tip inside; weighted by angles it looks up.
+  Mesh spike;
+  spike.vertices = {{0, 0.1F, 0}, {-0.02F, -0.1F, -0.02F}, {-0.02F, -0.1F, 0.02F}};
+  for (int k = 0; k <= 40; ++k) spike.vertices.push_back({0.02F, -0.1F, 0.02F - 0.001F * static_cast<float>(k)});
+  spike.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 43, 1}, {1, 43, 2}};
+  for (std::uint32_t k = 3; k < 43; ++k) {
+    spike.triangles.emplace_back(0, k, k + 1);
+    spike.triangles.emplace_back(2, k + 1, k);
+  }
+  const MeshDistance field(spike, 0.002F);
+  for (const vec3& way : {vec3(-1, 0.2F, 0), vec3(1, 0.2F, 0), vec3(-0.7F, 0.2F, 0.7F), vec3(0, 1, 0)})
+    EXPECT_NEAR(field.sample(vec3(0, 0.1F, 0) + 0.006F * glm::normalize(way)).distance_m, 0.006F, 4e-4F);
 }
 
 TEST(MeshDistance, NeedlesAndTwinsChangeNothing) {
