@@ -6,6 +6,7 @@
 #include "pelage/reference/truth_image.h"
 #include "pelage/render/satf_frame.h"
 #include "pelage/render/strand_frame.h"
+#include "pelage/simulate/moving_clusters.h"
 
 namespace pelage::app {
 namespace {
@@ -28,12 +29,7 @@ class FrameDrawing : public Drawing {
   explicit FrameDrawing(std::string name, Parts&&... parts)
       : Drawing(std::move(name)), frame_(std::forward<Parts>(parts)...) {}
 
-  Mesh head() const override {
-    if constexpr (requires { frame_.head(); })
-      return frame_.head();
-    else
-      return {};
-  }
+  Mesh head() const override { return frame_.head(); }
   Image render(const Scene& scene, const Camera& camera) override {
     const ImageSettings& p = scene.image;
     std::optional<console::Progress> progress;  // of pictures of several tiles
@@ -62,37 +58,48 @@ class StrandDrawing final : public FrameDrawing<StrandFrame> {
   StrandDrawing(StrandHair hair, Mesh head)
       : FrameDrawing(std::move(hair.name), std::move(hair.strands), hair.opacity, std::move(head)) {}
   Strands lines() const override { return frame_.strands(); }
-  void move(const Strands& lines, Mesh head) override { frame_.set_geometry(lines, std::move(head)); }
+  void move(const Strands& lines, const glm::dquat&, Mesh head) override {
+    frame_.set_geometry(lines, std::move(head));
+  }
 };
 
 class SatfDrawing final : public FrameDrawing<SatfFrame> {
  public:
-  SatfDrawing(const Hairstyle& style, std::unique_ptr<RecordSource> records, const BakeSettings& bake, Mesh head)
-      : FrameDrawing(style.name, style, std::move(records), bake, std::move(head)), style_(style) {}
-  Strands lines() const override { return {}; }
-  void move(const Strands& lines, Mesh head) override { (void)lines, (void)head; }
+  SatfDrawing(const Hairstyle& style, std::unique_ptr<RecordSource> records, const BakeSettings& bake, Mesh head,
+              std::optional<MovingClusters> clusters)
+      : FrameDrawing(style.name, style, std::move(records), bake, std::move(head)), clusters_(std::move(clusters)) {}
+  Strands lines() const override { return clusters_ ? clusters_->lines() : Strands{}; }
+  void move(const Strands& lines, const glm::dquat& turn, Mesh head) override {
+    if (!clusters_) return;
+    clusters_->move(lines, turn);
+    frame_.move_hair(clusters_->style().clusters);
+    frame_.move_head(std::move(head));
+  }
   std::uint64_t searches() const override { return frame_.source().searches(); }
 
  private:
-  Hairstyle style_;
+  std::optional<MovingClusters> clusters_;  // none: they stand still
 };
 
-std::unique_ptr<Drawing> satf_drawing(const Scene& scene) {
-  const Hairstyle style = prepare_hairstyle(scene);
+std::unique_ptr<Drawing> satf_drawing(const Scene& scene, bool moving) {
+  Hairstyle style = prepare_hairstyle(scene);
+  std::optional<MovingClusters> clusters;
+  if (moving) style = clusters.emplace(std::move(style)).style();
   BakeSettings bake;
   std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
   console::throw_if_interrupted();
-  return std::make_unique<SatfDrawing>(style, std::move(records), bake, prepare_head(scene));
+  return std::make_unique<SatfDrawing>(style, std::move(records), bake, prepare_head(scene), std::move(clusters));
 }
 
 class TruthDrawing final : public Drawing {
  public:
   TruthDrawing(StrandHair hair, Mesh head) : Drawing(std::move(hair.name)), opacity_(hair.opacity) {
-    move(hair.strands, std::move(head));
+    set(hair.strands, std::move(head));
   }
   Strands lines() const override { return strands_; }
   Mesh head() const override { return head_; }
-  void move(const Strands& lines, Mesh head) override {
+  void move(const Strands& lines, const glm::dquat&, Mesh head) override { set(lines, std::move(head)); }
+  void set(const Strands& lines, Mesh head) {
     auto stage = ledger_.run("hierarchy");
     scene_.reset();  // it looks at what follows
     strands_ = lines;
@@ -147,8 +154,8 @@ std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mes
   return std::make_unique<StrandDrawing>(std::move(hair), std::move(head));
 }
 
-std::unique_ptr<Drawing> make_drawing(const Scene& scene) {
-  if (scene.method == Method::satf) return satf_drawing(scene);
+std::unique_ptr<Drawing> make_drawing(const Scene& scene, bool moving) {
+  if (scene.method == Method::satf) return satf_drawing(scene, moving);
   StrandHair hair = prepare_strands(scene);
   console::throw_if_interrupted();
   return make_strand_drawing(scene.method, std::move(hair), prepare_head(scene));

@@ -1,6 +1,7 @@
 // What a scene's method draws with, behind one interface for pictures and the window.
 #pragma once
 
+#include <glm/ext/quaternion_double.hpp>
 #include <memory>
 #include <string>
 
@@ -22,10 +23,11 @@ class Drawing {
   /// On the window's framebuffer of this size. @throws UsageError where the method has no frames to show
   virtual void show(const Scene& scene, const Camera& camera, int width, int height) = 0;
   /// What a simulation moves: the strands, or the control polygons of the clusters' centre lines.
-  virtual Strands lines() const = 0;
+  virtual Strands lines() const = 0;  ///< empty where nothing is to move
   virtual Mesh head() const = 0;
   /// The same hair with its lines, laid out as they were, and its head moved.
-  virtual void move(const Strands& lines, Mesh head) = 0;
+  /// @param turn  rotation of the head since rest
+  virtual void move(const Strands& lines, const glm::dquat& turn, Mesh head) = 0;
   virtual const Bounds& bounds() const = 0;
   virtual const StageLedger& ledger() const = 0;
   /// Records that were searched for so far; 0 where there are none.
@@ -43,7 +45,8 @@ class Drawing {
 bool needs_opengl(Method method) noexcept;
 
 /// Reads the scene's hair and head and prepares what its method needs.
-std::unique_ptr<Drawing> make_drawing(const Scene& scene);
+/// @param moving  lines() and move() will be asked for
+std::unique_ptr<Drawing> make_drawing(const Scene& scene, bool moving = false);
 
 /// The same for hair that is at hand already; not for satf.
 std::unique_ptr<Drawing> make_strand_drawing(Method method, StrandHair hair, Mesh head);

@@ -120,7 +120,7 @@ struct FrameReport {
 class Sequence {
  public:
   Sequence(const SimulateOptions& options, const Scene& scene)
-      : options_(options), scene_(scene), drawing_(make_drawing(scene)) {
+      : options_(options), scene_(scene), drawing_(make_drawing(scene, true)) {
     const SimulationSettings& s = scene.simulation;
     if (scene.method == Method::satf && s.shape.curl.radius_m > 0)
       throw UsageError("curls are drawn on strands: choose a --method other than satf, or --preset hold-shape");
@@ -182,7 +182,7 @@ class Sequence {
 
   void draw(int k, const Strands& strands) {
     const auto begin = std::chrono::steady_clock::now();
-    drawing_->move(strands, hair_->head());
+    drawing_->move(strands, hair_->pose().rotation, hair_->head());
     Image image = drawing_->render(scene_, camera_);
     for (const Stage& s : drawing_->ledger().stages()) totals_.add(s.name, s.milliseconds);
     write_picture(std::move(image), scene_, numbered(options_.out, "frame", k, ".png"));

@@ -74,6 +74,12 @@ void SatfFrame::move_hair(std::span<const Cluster> clusters) {
   moved_ = true;
 }
 
+void SatfFrame::move_head(Mesh head) {
+  head_ = std::move(head);
+  if (!head_.vertices.empty()) renderer_.head().set_head(head_);
+  moved_ = true;
+}
+
 void SatfFrame::update_surfaces() {
   auto stage = ledger_.run("surfaces");
   if (moved_) place_model(style_, model_);

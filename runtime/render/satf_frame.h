@@ -41,6 +41,8 @@ class SatfFrame {
   /// are taken: density field and records stay, nothing is searched. Seen from the next picture on, bounds() too.
   /// @throws InputError for clusters that are not those of the hairstyle, or a centre line that cannot be evaluated
   void move_hair(std::span<const Cluster> clusters);
+  /// The same head elsewhere.
+  void move_head(Mesh head);
 
   /// A picture of any size; large ones are drawn in tiles. Linear, premultiplied, over transparent black.
   Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples,
@@ -52,6 +54,7 @@ class SatfFrame {
   const StageLedger& ledger() const noexcept { return ledger_; }
   const RecordSource& source() const noexcept { return *source_; }
   const SatfModel& model() const noexcept { return model_; }
+  const Mesh& head() const noexcept { return head_; }
 
  private:
   void update(const FrameSettings& frame);
