@@ -316,6 +316,30 @@ TEST(VoxelGrid, AnswersDoNotDependOnTheStepsBefore) {
   }
 }
 
+TEST(VoxelGrid, FindsRowsThatBeginAndDropsThoseThatHairHasLeft) {
+  const auto with_third_at = [](float x) {
+    Strands hair;
+    for (const glm::vec3& p : {glm::vec3(0), glm::vec3(0.3F), glm::vec3(x, 0.105F, 0.105F)})
+      hair.append(std::vector<glm::vec3>{p, p + glm::vec3(0, 0.001F, 0)});
+    return make_blocks(hair, glm::dvec3(0));
+  };
+  VoxelGrid kept(interaction(4, 1), {});
+  kept.build(with_third_at(0.065F), {});
+  // From cell 6 of 8 to cell 7: no row of vertices is new, but the first node of the next one is.
+  kept.build(with_third_at(0.075F), {});
+  VoxelGrid fresh(interaction(4, 1), {});
+  fresh.build(with_third_at(0.075F), {});
+  EXPECT_GT(kept.density({0.0799F, 0.105F, 0.105F}), 0);
+  EXPECT_EQ(kept.density({0.0799F, 0.105F, 0.105F}), fresh.density({0.0799F, 0.105F, 0.105F}));
+  EXPECT_EQ(kept.density({0.0801F, 0.105F, 0.105F}), fresh.density({0.0801F, 0.105F, 0.105F}));
+
+  const StrandBlocks moved = with_third_at(0.245F);
+  for (int i = 0; i < 64; ++i) kept.build(moved, {});
+  VoxelGrid again(interaction(4, 1), {});
+  again.build(moved, {});
+  EXPECT_EQ(kept.rows(), again.rows());
+}
+
 TEST(VoxelGrid, SharesOneVertexOutByTrilinearWeights) {
   const glm::vec3 p = kCell * glm::vec3(3.25F, -2.5F, 7.125F);
   StrandBlocks blocks = pair_of_strands(p, p + glm::vec3(0, 0.5F, 0));
