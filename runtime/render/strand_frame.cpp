@@ -50,8 +50,7 @@ HairMaterial material_of(const HairMaterial& material, StrandLobes lobes) noexce
 }
 
 // Half floats would lose faint fragments: 2^-11 of what is there already vanishes, and thin strands are fainter.
-StrandFrame::StrandFrame(Strands strands, float opacity, Mesh head)
-    : opacity_(opacity), output_(GL_RGBA32F) {
+StrandFrame::StrandFrame(Strands strands, float opacity, Mesh head) : opacity_(opacity), output_(GL_RGBA32F) {
   if (!(opacity >= 0.0F && opacity <= 1.0F)) {
     throw InputError("opacity", std::to_string(opacity) + " is outside [0, 1]");
   }

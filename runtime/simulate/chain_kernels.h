@@ -50,7 +50,7 @@ PELAGE_INLINE ChainBlock begin_block(StrandBlocks& s, std::size_t block, const C
   const Matrix turn = rows_of(step.turn), change = rows_of(step.turn_change);
   const Vec shift{step.shift.x, step.shift.y, step.shift.z};
   const float per_s = 1.0F / step.step_s;
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const Vec rest = load(s.root_rest[block], l);
     const Vec moved = change * rest + shift;
@@ -83,7 +83,7 @@ PELAGE_INLINE void hold_shape(const StrandBlocks& s, const ChainBlock& b, std::u
   const float slope = step.hold_tip - 1.0F;
   const glm::vec3 gravity = step.sag_free ? step.chain.gravity : glm::vec3(0.0F);
   const Vec borne = step.step_s * step.step_s * (turn * Vec{gravity.x, gravity.y, gravity.z});
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const float omega_h = step.step_s * step.hold_rad_s * (1.0F + slope * (static_cast<float>(i) * b.along.v[l]));
     const float square = omega_h * omega_h;
@@ -95,7 +95,7 @@ PELAGE_INLINE void hold_shape(const StrandBlocks& s, const ChainBlock& b, std::u
 
 /// Turns directions into the cone around the segment before, where they leave it.
 PELAGE_INLINE void keep_in_cone(const Lanes& least_cos, const Lanes3& before, Lanes3& along) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const Vec axis = load(before, l), d = load(along, l);
     const float limit = least_cos.v[l];
@@ -119,7 +119,7 @@ struct Placing {
 };
 
 PELAGE_INLINE void place(const Placing& p, Lanes3& at) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) store(at, l, load(p.before, l) + p.length.v[l] * load(p.along, l));
 }
 
@@ -130,7 +130,7 @@ void collide(const StrandBlocks& s, const ChainBlock& b, std::size_t block, std:
 /// Kinematic velocity of a group that goes to `at`; the greatest squared displacement so far is kept.
 PELAGE_INLINE void arrive(StrandBlocks& s, const ChainBlock& b, std::uint32_t vertex, float per_s, float damping,
                           const Lanes3& at, Lanes& moved) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const Vec p = load(at, l);
     const Vec d = p - (load(s.position[vertex], l) - load(b.root_shift, l));
@@ -143,14 +143,14 @@ PELAGE_INLINE void arrive(StrandBlocks& s, const ChainBlock& b, std::uint32_t ve
 
 /// Squared displacements of the roots, to be exceeded.
 PELAGE_INLINE void begin_moved(const ChainBlock& b, Lanes& moved) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) moved.v[l] = dot(load(b.root_shift, l), load(b.root_shift, l));
 }
 
 /// Axis of the first segment's cone: its direction at rest.
 PELAGE_INLINE void begin_along(const StrandBlocks& s, const ChainBlock& b, const Matrix& turn, Lanes3& along) noexcept {
   const Lanes3& rest = s.rest[b.first + std::min(b.length - 1, 1U)];
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) store(along, l, direction(turn * load(rest, l), kDown));
 }
 

@@ -40,7 +40,7 @@ PELAGE_INLINE Followed follow(Vec to, float length) noexcept {
 /// gives back to the leader.
 PELAGE_INLINE void follow_leaders(const ChainBlock& b, std::uint32_t i, float correction_per_s, const Lanes3& wish,
                                   Placing& p, Lanes3& leader_impulse) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const float length = segment(b, i, l);
     const Followed f = follow(load(wish, l) - load(p.before, l), length);
@@ -70,7 +70,7 @@ PELAGE_INLINE void follow_freely(const ChainArrays& s, const ChainBlock& b, std:
                                  Lanes& moved) noexcept {
   Lanes3* const __restrict position = s.position + b.first + i, * const __restrict velocity = s.velocity + b.first + i, * const __restrict impulse = s.impulse + b.first + i;
   const float velocity_per_m = f.damping * f.per_s;
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
 #pragma GCC unroll 1
   for (int l = 0; l < kLanes; ++l) {
     const float length = kWhole ? b.segment_m.v[l] : segment(b, i, l);
@@ -101,7 +101,7 @@ PELAGE_INLINE void follow_constrained(StrandBlocks& s, std::size_t block, std::u
   Placing& p = w.place;
   const std::uint32_t vertex = b.first + i;
   Lanes3 wish, at, before_along = p.along;
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) store(wish, l, predicted(s, b, vertex, l, f.h, f.fall));
   if (step.hold_rad_s > 0) hold_shape(s, b, i, step, turn, wish);
   follow_leaders(b, i, f.correction_per_s, wish, p, s.impulse[vertex - 1]);

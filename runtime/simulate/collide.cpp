@@ -15,7 +15,7 @@ constexpr int kRounds = 4;
 /// How much too near each lane is [m]; 0 where it is free or has no length to turn.
 PELAGE_INLINE bool shortfalls(const Placing& p, const Nearest& near, Lanes& depth) noexcept {
   int touched = 0;
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const float missing = p.clearance.v[l] - near.distance.v[l];
     const bool touches = missing > 0.0F && p.length.v[l] > 0.0F;
@@ -35,7 +35,7 @@ void look(const StrandBlocks& s, std::size_t block, const ChainStep& step, const
 /// follow to first order.
 PELAGE_CLONES void hold_back(const StrandBlocks& s, const ChainBlock& b, std::uint32_t vertex, float friction,
                              const Nearest& near, Lanes& depth, Placing& p, const Lanes3& at) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const Vec n = load(near.normal, l), q = load(at, l);
     const Vec moved = q - load(s.position[vertex], l) + load(b.root_shift, l) - load(near.displacement, l);
@@ -53,7 +53,7 @@ PELAGE_CLONES void hold_back(const StrandBlocks& s, const ChainBlock& b, std::ui
 }
 
 PELAGE_CLONES void turn_out(const Nearest& near, const Lanes& depth, Placing& p) noexcept {
-#pragma GCC ivdep
+  PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const Vec n = load(near.normal, l), d = load(p.along, l);
     const float length = p.length.v[l] > 0.0F ? p.length.v[l] : 1.0F;

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pelage/simulate/lane_loops.h"
 #include "pelage/simulate/strand_blocks.h"
 
-// One version of a loop per kind of CPU; -ffp-contract=off gives all of them the same bits. What such a function calls
-// is inlined into each version, or it stays the slowest.
-#define PELAGE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+// What a function of PELAGE_CLONES calls is inlined into each of its versions, or it stays the slowest.
 #define PELAGE_INLINE inline __attribute__((always_inline))
 
 namespace pelage {

@@ -37,8 +37,8 @@ void check(const SimulationSettings& s) {
                      "lose the motion) and 1/60 s");
   const float correction = s.chain.ftl_correction;
   if (s.chain.solver == ChainSolver::dftl && !(correction >= 0.6F && correction <= 1.0F))
-    throw UsageError("ftl_correction is " + std::to_string(correction) + "; it lies between 0.6 (below .5 DFTL blows " +
-                     "up as the step shrinks) and 1");
+    throw UsageError("ftl_correction is " + std::to_string(static_cast<double>(correction)) +
+                     "; it lies between 0.6 (below .5 DFTL blows " + "up as the step shrinks) and 1");
   if (!(s.life.explosion_m_s > 0)) throw UsageError("explosion_m_s must be above 0");
 }
 

@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "../simulate/paper_chain.h"
 #include "pelage/simulate/chain_step.h"
 
 namespace pelage {
@@ -35,44 +36,6 @@ Strands hanging(std::size_t strands, int vertices) {
   return hair;
 }
 
-/// The straightforward version.
-struct Particle {
-  glm::vec3 x, p, v, d;
-};
-struct PlainStrand {
-  std::vector<Particle> particles;
-  float length;
-};
-
-std::vector<PlainStrand> plain_strands(const Strands& hair) {
-  std::vector<PlainStrand> result;
-  for (std::size_t s = 0; s < hair.count(); ++s) {
-    const auto strand = hair.strand(s);
-    PlainStrand plain{{}, glm::distance(strand[0], strand[1])};
-    for (const glm::vec3& p : strand) plain.particles.push_back({p, p, {}, {}});
-    result.push_back(std::move(plain));
-  }
-  return result;
-}
-
-void step_plain(std::vector<PlainStrand>& strands, float dt, float s_damping) {
-  const glm::vec3 gravity(0, -9.81F, 0);
-  for (PlainStrand& strand : strands) {
-    auto& q = strand.particles;
-    for (std::size_t i = 1; i < q.size(); ++i) q[i].p = q[i].x + dt * q[i].v + dt * dt * gravity;
-    for (std::size_t i = 1; i < q.size(); ++i) {
-      const glm::vec3 wish = q[i].p;
-      q[i].p = q[i - 1].p + strand.length * glm::normalize(q[i].p - q[i - 1].p);
-      q[i].d = q[i].p - wish;
-    }
-    for (std::size_t i = 1; i < q.size(); ++i) {
-      q[i].v = (q[i].p - q[i].x) / dt;
-      if (i + 1 < q.size()) q[i].v += s_damping * -q[i + 1].d / dt;
-      q[i].x = q[i].p;
-    }
-  }
-}
-
 double ms(const std::function<void()>& work) {
   const auto begin = std::chrono::steady_clock::now();
   work();
@@ -85,7 +48,7 @@ struct Times {
 
 Times measure(std::size_t strands, int vertices) {
   const Strands hair = hanging(strands, vertices);
-  std::vector<PlainStrand> plain = plain_strands(hair);
+  std::vector<paper::Strand> plain = paper::strands_of(hair);
   StrandBlocks blocks = make_blocks(hair, glm::dvec3(0));
   std::vector<float> fastest(blocks.count());
   ChainStep step;
@@ -93,7 +56,7 @@ Times measure(std::size_t strands, int vertices) {
   std::vector<float> a(blocks.first.back() * 9UL * kLanes, 1.0F);
   Times t;
   for (int run = 0; run < 40; ++run) {
-    t.plain = std::min(t.plain, ms([&] { step_plain(plain, 1.0F / 480, 1.0F); }));
+    t.plain = std::min(t.plain, ms([&] { paper::step_chains(plain, 1.0F / 480, 1.0F); }));
     for (int k = 0; k < 8; ++k) {
       t.one = std::min(t.one, ms([&] { step_chains(blocks, 0, blocks.count(), step, fastest); }));
       t.all = std::min(t.all, ms([&] {

@@ -80,7 +80,7 @@ TEST(Simulation, HalfTurnInOneFrameComesToRest) {
       fastest = std::max(fastest, simulation.facts().fastest_m_s);
       root = std::max(root, simulation.facts().fastest_root_m_s);
     }
-    EXPECT_LE(fastest, 3 * root);  // 18.7 m/s
+    EXPECT_LE(fastest, 3 * root);                      // 18.7 m/s
     EXPECT_LT(simulation.facts().fastest_m_s, 0.05F);  // after 5 s
     EXPECT_LE(worst_stretch_of(simulation), 1e-5);
   }
