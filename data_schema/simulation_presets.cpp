@@ -21,21 +21,25 @@ SimulationSettings loose() {
   return s;
 }
 
+/// Keeps its parting, ends swing freely.
 SimulationSettings straight() {
   SimulationSettings s = named("straight");
   s.interaction.friction_per_s = 6;
-  s.shape.cone_deg = 15;
-  s.shape.cone_end = 0.3F;
+  s.shape.hold_rad_s = 20;
+  s.shape.hold_tip = 0;
+  s.shape.cone_deg = 30;
   return s;
 }
 
-/// Stiffer than straight hair, and a wide helix of few turns.
+/// More body than straight hair, and a wide helix of few turns.
 SimulationSettings wavy() {
   SimulationSettings s = named("wavy");
   s.interaction.friction_per_s = 8;
   s.interaction.repulsion_m_s2 = 2;
-  s.shape.cone_deg = 20;
-  s.shape.curl = {.radius_m = 0.005F, .pitch_m = 0.06F, .frequency_growth = 0.3F};
+  s.shape.hold_rad_s = 20;
+  s.shape.hold_tip = 0.05F;
+  s.shape.cone_deg = 30;
+  s.shape.curl = {.radius_m = 0.006F, .pitch_m = 0.07F, .frequency_growth = 0.3F, .phase_spread = 0.06F};
   return s;
 }
 
@@ -43,10 +47,11 @@ SimulationSettings curly() {
   SimulationSettings s = named("curly");
   s.interaction.friction_per_s = 12;
   s.interaction.repulsion_m_s2 = 4;
-  s.shape.hold_rad_s = 8;
-  s.shape.hold_tip = 0.3F;
-  s.shape.cone_deg = 25;
-  s.shape.curl = {.radius_m = 0.008F, .pitch_m = 0.028F, .frequency_growth = 0.6F, .subdivision = 8};
+  s.shape.hold_rad_s = 25;
+  s.shape.hold_tip = 0.2F;
+  s.shape.cone_deg = 30;
+  s.shape.curl = {
+      .radius_m = 0.008F, .pitch_m = 0.035F, .frequency_growth = 0.6F, .phase_spread = 0.1F, .subdivision = 8};
   return s;
 }
 
@@ -66,8 +71,8 @@ SimulationSettings wet() {
   s.chain.damping_per_s = 12;
   s.interaction.friction_per_s = 30;
   s.interaction.repulsion_m_s2 = 0;
-  s.shape.cone_deg = 40;
-  s.shape.cone_end = 0.2F;
+  s.shape.hold_rad_s = 12;
+  s.shape.hold_tip = 0;
   return s;
 }
 
