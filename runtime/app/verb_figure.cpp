@@ -6,6 +6,7 @@
 #include <map>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/figure_sheet.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/shadow_error.h"
 #include "pelage/app/verbs.h"
@@ -13,66 +14,11 @@
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
-#include "pelage/hair/groom.h"
-#include "pelage/hair/head.h"
-#include "pelage/image/draw.h"
 #include "pelage/image/image_file.h"
-#include "pelage/image/tone.h"
 #include "pelage/render/gl_context.h"
 
 namespace pelage::app {
 namespace {
-
-constexpr draw::Colour kInk{.12F, .12F, .14F}, kPaper{.95F, .95F, .95F};
-constexpr int kText = 15, kLine = 20, kGap = 8;
-
-/// Pictures of one size in rows, two lines of text under each.
-class Sheet {
- public:
-  Sheet(glm::ivec2 grid, glm::ivec2 picture)
-      : picture_(picture),
-        image_(grid.x * (picture.x + kGap) + kGap, grid.y * (picture.y + 2 * kLine + 2 * kGap) + kGap) {
-    draw::fill(image_, {0, 0}, {image_.width, image_.height}, kPaper);
-  }
-  void put(glm::ivec2 cell, const Image& picture, const std::string& title, const std::string& detail) {
-    const glm::ivec2 at = kGap + cell * (picture_ + glm::ivec2(kGap, 2 * kLine + 2 * kGap));
-    for (int y = 0; y < picture.height; ++y) {
-      std::copy_n(picture.pixel(0, y), 4 * picture.width, image_.pixel(at.x, at.y + y));
-    }
-    draw::text(image_, at + glm::ivec2(2, picture_.y + kLine - 2), title, kText, kInk);
-    draw::text(image_, at + glm::ivec2(2, picture_.y + 2 * kLine - 2), detail, kText - 1, kInk);
-  }
-  const Image& image() const noexcept { return image_; }
-
- private:
-  glm::ivec2 picture_;
-  Image image_;
-};
-
-struct Subject {
-  StrandHair hair;
-  Mesh head;
-};
-
-/// The scene's hair or, where none is named, a groom of our own.
-Subject subject_of(const Scene& scene, hair::GroomStyle style, std::uint32_t strands) {
-  if (!scene.hair.empty()) return {prepare_strands(scene), prepare_head(scene)};
-  hair::GroomSettings groom;
-  groom.style = style;
-  groom.strands = strands;
-  Subject subject{{"groom", hair::groom(groom)}, hair::parametric_head(groom.head)};
-  subject.hair.strands.diameter_m = default_diameter_m(subject.hair.strands.count());
-  return subject;
-}
-
-Image picture_of(Drawing& drawing, const Scene& scene) {
-  const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-  Image image = drawing.render(scene, scene.camera.value_or(framed_camera(drawing.bounds(), aspect)));
-  expose(image, scene.image.exposure);
-  compose_over(image, scene.image.background.value_or(glm::vec3(0.85F)));
-  console::throw_if_interrupted();
-  return image;
-}
 
 ShadowTruth truth_of(const Scene& scene, const StrandHair& hair) {
   constexpr std::size_t kPoints = 1000;
@@ -86,10 +32,6 @@ ShadowTruth truth_of(const Scene& scene, const StrandHair& hair) {
 
 std::string measured(const ShadowResult& r) {
   return fmt::format("RMSE {:.3f}, bias {:+.3f}, {:.1f} ms", r.error.rmse, r.error.bias, r.build_ms + r.filter_ms);
-}
-
-glm::ivec2 size_of(const Scene& scene) {
-  return {scene.image.width, scene.image.height};
 }
 
 /// [Bertails2005 Fig. 8] and more: resolutions of the density map, corrected and as printed, beside the truth.
@@ -178,15 +120,16 @@ Image lobes(Scene scene) {
 using Figure = std::function<Image(Scene)>;
 
 const std::map<std::string, Figure>& figures() {
-  static const std::map<std::string, Figure> all{
-      {"resolutions", resolutions}, {"self-shadow", self_shadow}, {"filter", filter}, {"lobes", lobes}};
+  static const std::map<std::string, Figure> all{{"resolutions", resolutions}, {"self-shadow", self_shadow},
+                                                 {"filter", filter},           {"lobes", lobes},
+                                                 {"motion", motion_figure},    {"presets", presets_figure}};
   return all;
 }
 
 void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptions& options, const std::string& out) {
   const auto figure = figures().find(name);
   if (figure == figures().end()) {
-    throw UsageError("there is no figure '" + name + "': filter, lobes, resolutions or self-shadow");
+    throw UsageError("there is no figure '" + name + "': filter, lobes, motion, presets, resolutions or self-shadow");
   }
   check_picture_name(out);
   check_writable(out);
@@ -210,9 +153,9 @@ void add_figure(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "figure",
       "Draw a figure of the papers anew: resolutions (Bertails 2005, Fig. 8), self-shadow (Fig. 7), filter (Fig. 5), "
-      "lobes (Almeida 2014, Fig. 3.9)");
+      "lobes (Almeida 2014, Fig. 3.9); and of what `simulate` does: motion, presets");
   auto name = std::make_shared<std::string>();
-  verb->add_option("figure", *name, "filter, lobes, resolutions or self-shadow")->required();
+  verb->add_option("figure", *name, "filter, lobes, motion, presets, resolutions or self-shadow")->required();
   auto options = add_scene_options(*verb);
   verb->get_option("input")->required(false)->description(
       "Scene, hairstyle or hair file; without it a groom of 10,000 or 15,000 strands");

@@ -9,6 +9,7 @@
 
 #include "pelage/app/choose.h"
 #include "pelage/app/drawing.h"
+#include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
@@ -128,8 +129,9 @@ class Sequence {
     const double length = options.seconds > 0 ? options.seconds : motion_length_s(s.motion);
     frames_ = std::max(1, static_cast<int>(std::lround((length > 0 ? length : kStillSeconds) * options.fps)));
     const ImageSettings& p = scene.image;
-    camera_ = scene.camera.value_or(
-        framed_camera(drawing_->bounds(), static_cast<float>(p.width) / static_cast<float>(p.height)));
+    const Bounds way =
+        motion_bounds(drawing_->lines(), drawing_->head(), s.motion, hair_->pivot(), frames_ / options.fps);
+    camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
     describe();
   }
 
