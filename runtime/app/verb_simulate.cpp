@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "pelage/app/choose.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/scene_options.h"
+#include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/app/video.h"
 #include "pelage/console/json_output.h"
@@ -30,57 +30,14 @@ namespace {
 
 struct SimulateOptions {
   std::shared_ptr<SceneOptions> scene;
-  std::string preset, motion, solver, wind;
+  std::shared_ptr<SimulationOptions> simulation;
   std::filesystem::path out, hair_out, video;
-  double fps = 30, seconds = 0, settle_s = 1, steps_per_s = 480, amplitude = 1, speed = 1;
-  int vertices = 16, wisps = 0;
+  double fps = 30, seconds = 0;
   bool stats = false;
 };
 
 /// Longest that a motion without an end of its own is shown [s].
 constexpr double kStillSeconds = 2;
-constexpr float kFastestWind = 100;  // m/s
-
-glm::vec3 parse_wind(const std::string& text) {
-  glm::vec3 wind(0);
-  int used = 0;
-  const bool three = std::sscanf(text.c_str(), "%f,%f,%f%n", &wind.x, &wind.y, &wind.z, &used) == 3;
-  const bool sane =
-      std::abs(wind.x) <= kFastestWind && std::abs(wind.y) <= kFastestWind && std::abs(wind.z) <= kFastestWind;
-  if (!three || static_cast<std::size_t>(used) != text.size() || !sane)
-    throw UsageError("--wind: '" + text + "' is not a velocity in m/s, three numbers from -100 to 100 like 3,0,1");
-  return wind;
-}
-
-const std::map<std::string, MotionKind> kMotions{
-    {"none", MotionKind::none},          {"shake", MotionKind::shake}, {"nod", MotionKind::nod},
-    {"turn", MotionKind::turn},          {"jump", MotionKind::jump},   {"dance", MotionKind::dance},
-    {"keyframes", MotionKind::keyframes}};
-const std::map<std::string, ChainSolver> kSolvers{{"dftl", ChainSolver::dftl},
-                                                  {"position-based", ChainSolver::position_based},
-                                                  {"tridiagonal", ChainSolver::tridiagonal}};
-
-/// The scene's simulation, then what the command line changes of it.
-SimulationSettings settings_of(const CLI::App& verb, const SimulateOptions& o, const Scene& scene) {
-  const auto given = [&](const char* name) { return verb.count(name) > 0; };
-  SimulationSettings s = scene.simulation;
-  if (given("--preset")) {
-    const MotionSettings motion = s.motion;
-    s = simulation_preset(o.preset);
-    s.motion = motion;
-  }
-  if (given("--motion")) s.motion.kind = choose<MotionKind>(kMotions, o.motion, "--motion");
-  if (given("--amplitude")) s.motion.amplitude = static_cast<float>(o.amplitude);
-  if (given("--speed")) s.motion.speed = static_cast<float>(o.speed);
-  if (given("--solver")) s.chain.solver = choose<ChainSolver>(kSolvers, o.solver, "--solver");
-  if (given("--wind")) s.wind.velocity_m_s = parse_wind(o.wind);
-  if (given("--vertices")) s.vertices = o.vertices;
-  if (given("--wisps")) s.wisps = o.wisps;
-  if (given("--settle")) s.life.settle_s = o.settle_s;
-  if (given("--steps-per-second")) s.life.step_s = 1.0 / o.steps_per_s;
-  return s;
-}
-
 std::string numbered(const std::filesystem::path& folder, const char* stem, int frame, const char* extension) {
   return (folder / fmt::format("{}_{:04d}{}", stem, frame, extension)).string();
 }
@@ -123,8 +80,6 @@ class Sequence {
   Sequence(const SimulateOptions& options, const Scene& scene)
       : options_(options), scene_(scene), drawing_(make_drawing(scene, true)) {
     const SimulationSettings& s = scene.simulation;
-    if (scene.method == Method::satf && s.shape.curl.radius_m > 0)
-      throw UsageError("curls are drawn on strands: choose a --method other than satf, or --preset hold-shape");
     hair_.emplace(drawing_->lines(), drawing_->head(), s);
     const double length = options.seconds > 0 ? options.seconds : motion_length_s(s.motion);
     frames_ = std::max(1, static_cast<int>(std::lround((length > 0 ? length : kStillSeconds) * options.fps)));
@@ -231,7 +186,7 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
   make_folder(options.out, numbered(options.out, "frame", 0, ".png"));
   make_folder(options.hair_out, numbered(options.hair_out, "frame", 0, ".hair"));
   Scene scene = resolve_scene(verb, *options.scene);
-  scene.simulation = settings_of(verb, options, scene);
+  scene.simulation = resolve_simulation(verb, *options.simulation, scene);
   std::optional<HeadlessContext> context;
   if (needs_opengl(scene.method) && !options.out.empty()) context.emplace();
   Sequence sequence(options, scene);
@@ -255,33 +210,10 @@ void add_simulate(CLI::App& app) {
   verb->add_option("-o,--out", o->out, "Folder for pictures, frame_0000.png and on; made if there is none");
   verb->add_option("--hair-out", o->hair_out, "Folder for hair files, frame_0000.hair and on");
   verb->add_option("--video", o->video, "Video of the pictures, e.g. hair.mp4; needs ffmpeg");
-  verb->add_option("--preset", o->preset,
-                   "How hair moves: loose, straight, wavy, curly, hold-shape, wet [the scene's, or hold-shape]");
-  verb->add_option("--motion", o->motion,
-                   "Motion of the head: none, shake, nod, turn, jump, dance, or the scene's keyframes [shake]");
-  verb->add_option("--amplitude", o->amplitude, "Times the motion's own size")
-      ->capture_default_str()
-      ->check(console::finite(0, 10));
-  verb->add_option("--speed", o->speed, "Times the motion's own speed")
-      ->capture_default_str()
-      ->check(console::finite(0.01, 100));
-  verb->add_option("--wind", o->wind, "Mean wind in m/s: x,y,z [none]");
+  o->simulation = add_simulation_options(*verb);
   verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
   verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
       ->check(console::finite(0.001, 100000));
-  verb->add_option("--settle", o->settle_s, "Seconds simulated before the first frame, so that hair hangs as it will")
-      ->capture_default_str()
-      ->check(console::finite(0, 100));
-  verb->add_option("--vertices", o->vertices, "Simulated vertices of the longest strand")
-      ->capture_default_str()
-      ->check(CLI::Range(2, 256));
-  verb->add_option("--wisps", o->wisps, "Simulate three guides for each of so many wisps; 0: every strand")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 100000));
-  verb->add_option("--solver", o->solver, "dftl; to compare: position-based, tridiagonal [dftl]");
-  verb->add_option("--steps-per-second", o->steps_per_s, "Internal steps")
-      ->capture_default_str()
-      ->check(console::finite(60, 2000));
   verb->add_flag("--stats", o->stats, "Print the time of each stage and a hash of the last state");
   console::add_common_options(*verb);
   verb->callback([verb, o] { simulate(*verb, *o); });

@@ -1,17 +1,22 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <glm/ext/quaternion_trigonometric.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 
 #include "pelage/app/drawing.h"
 #include "pelage/app/scene_options.h"
+#include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/program.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/render/window.h"
+#include "pelage/simulate/head_motion.h"
+#include "pelage/simulate/moving_hair.h"
 
 namespace pelage::app {
 namespace {
@@ -103,17 +108,61 @@ std::string title_of(const Drawing& drawing, bool paused) {
   return drawing.name() + " - " + std::to_string(std::lround(sum)) + " ms:" + text + (paused ? " - paused" : "");
 }
 
-void view(const CLI::App& verb, const SceneOptions& options, int frames) {
-  Scene scene = resolve_scene(verb, options);
+/// Hair that moves as time passes; what drawing takes too long for is dropped, not caught up with.
+class Motion {
+ public:
+  Motion(const Drawing& drawing, const SimulationSettings& settings)
+      : settings_(settings), hair_(drawing.lines(), drawing.head(), settings) {}
+
+  void restart() {
+    time_s_ = 0;
+    hair_.teleport(head_pose(settings_.motion, hair_.pivot(), 0));
+    hair_.reset();
+  }
+  void advance(Drawing& drawing) {
+    const auto now = std::chrono::steady_clock::now();
+    const double passed_s = std::min(std::chrono::duration<double>(now - last_).count(), settings_.life.catch_up_s);
+    last_ = now;
+    if (!running_) return;
+    time_s_ += passed_s;
+    hair_.advance(passed_s, head_pose(settings_.motion, hair_.pivot(), time_s_));
+    drawing.move(hair_.hair(), hair_.pose().rotation, hair_.head());
+  }
+  void toggle() { running_ = !running_; }
+
+ private:
+  SimulationSettings settings_;
+  MovingHair hair_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  double time_s_ = 0;
+  bool running_ = true;
+};
+
+/// --motion, --preset or --wind ask for hair that moves.
+bool is_moving(const CLI::App& verb) {
+  return verb.count("--motion") + verb.count("--preset") + verb.count("--wind") > 0;
+}
+
+struct ViewOptions {
+  std::shared_ptr<SceneOptions> scene;
+  std::shared_ptr<SimulationOptions> simulation;
+  int frames = 0;
+};
+
+void view(const CLI::App& verb, const ViewOptions& options) {
+  Scene scene = resolve_scene(verb, *options.scene);
+  scene.simulation = resolve_simulation(verb, *options.simulation, scene);
   if (!needs_opengl(scene.method))
     throw UsageError("--method truth takes minutes a picture and has no window: use pelage render");
   Window window(scene.image.width, scene.image.height, "pelage: preparing " + scene.hair);
-  const std::unique_ptr<Drawing> drawing = make_drawing(scene);
+  const std::unique_ptr<Drawing> drawing = make_drawing(scene, is_moving(verb));
+  std::optional<Motion> motion;
+  if (is_moving(verb)) motion.emplace(*drawing, scene.simulation);
   const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
   Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
   const Camera home = camera;
   bool paused = true;
-  for (int drawn = 0; !window.should_close() && (frames == 0 || drawn < frames); ++drawn) {
+  for (int drawn = 0; !window.should_close() && (options.frames == 0 || drawn < options.frames); ++drawn) {
     console::throw_if_interrupted();
     const Window::Input input = window.poll();
     orbit(camera, input.drag);
@@ -123,7 +172,10 @@ void view(const CLI::App& verb, const SceneOptions& options, int frames) {
     for (const char key : input.keys) {
       press(key, scene, paused);
       if (key == 'R') camera = home;
+      if (key == 'P' && motion) motion->toggle();
+      if (key == 'T' && motion) motion->restart();
     }
+    if (motion) motion->advance(*drawing);
     const glm::ivec2 size = window.size();
     drawing->show(scene, camera, size.x, size.y);
     window.swap();
@@ -138,14 +190,15 @@ void add_view(CLI::App& app) {
   verb->footer(
       "Mouse: drag turns, wheel dollies, right drag (or Shift) moves the first light. Keys: space turns or pauses, "
       "R resets the camera, 1 2 3 lobes, 4 self-shadow, 5 global shadow, M shadow method of strands, O drawing order, "
-      "Esc quits.");
-  auto options = add_scene_options(*verb);
-  auto frames = std::make_shared<int>(0);
-  verb->add_option("--frames", *frames, "Close after this many frames; 0: when the window is closed")
+      "Esc quits. With --motion, --preset or --wind the hair moves: P stops it and lets it go on, T begins anew.");
+  auto options = std::make_shared<ViewOptions>();
+  options->scene = add_scene_options(*verb);
+  options->simulation = add_simulation_options(*verb);
+  verb->add_option("--frames", options->frames, "Close after this many frames; 0: when the window is closed")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   console::add_common_options(*verb);
-  verb->callback([verb, options, frames] { view(*verb, *options, *frames); });
+  verb->callback([verb, options] { view(*verb, *options); });
 }
 
 }  // namespace pelage::app

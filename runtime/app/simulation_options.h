@@ -1,0 +1,24 @@
+// Options of how hair moves, which `simulate` and `view` share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "pelage/data_schema/scene.h"
+
+namespace pelage::app {
+
+struct SimulationOptions {
+  std::string preset, motion, solver, wind;
+  double settle_s = 1, steps_per_s = 480, amplitude = 1, speed = 1;
+  int vertices = 16, wisps = 0;
+};
+
+/// Adds the options; the returned object is filled when the command line is parsed and must outlive the callback.
+std::shared_ptr<SimulationOptions> add_simulation_options(CLI::App& verb);
+
+/// The scene's settings, then what the command line changes of them. @throws UsageError
+SimulationSettings resolve_simulation(const CLI::App& verb, const SimulationOptions& options, const Scene& scene);
+
+}  // namespace pelage::app
