@@ -24,6 +24,11 @@ for figure in resolutions self-shadow filter lobes; do
   "$bin/pelage" figure "$figure" --size 300x340 -o "docs/$figure.png" --progress never --log-level warn
 done
 
+# Moving hair.
+for figure in motion presets; do
+  "$bin/pelage" figure "$figure" --size 260x300 -o "docs/$figure.png" --progress never --log-level warn
+done
+
 # Records and coverage: a generic database against the wavy hair.
 "$bin/pelage" cluster "$work/wavy.hair" -o "$work/wavy.json" --log-level warn > /dev/null
 "$bin/pelage-bake" build -o "$work/random.hrir" --progress never > /dev/null
