@@ -17,23 +17,15 @@ struct Followed {
   float moved_m;  // saturating, see below
 };
 
-/// The correction saturates at kMostMoved segments. A segment that is thrown about by more than its own length in a
-/// step turns over, and its correction, given back whole as velocity, turns the leader over in the next: some strands
-/// then spin for ever at two segments per step, whatever the damping, and these are the flying tips of [Almeida2014
-/// section 4]. Measured after half a turn of the head in one frame, of 100 strands: unbounded 14 spin, saturating
-/// at 2.5 one, at 1.5 none (nor with 8 or 32 vertices, steps of 1/240 to 1/960 s, damping of .5 /s); a sharp bound at
-/// half a segment stops them too, but throws tips at 3.6 times the roots' speed (this: 1.5). To second order without
-/// effect, so the scheme converges as before; segments should be longer than N g h^2 (.6 mm for 16 vertices at 1/480
-/// s).
-constexpr float kMostMoved = 1.5F;
-
-PELAGE_INLINE Followed follow(Vec to, float length) noexcept {
+/// What saturates, and why: kSaturated.
+PELAGE_INLINE Followed follow(Vec to, const ChainBlock& b, int l, float length) noexcept {
   const float sq = dot(to, to);
   const bool somewhere = sq > kNoLengthSq;
   const float inverse = 1.0F / std::sqrt(somewhere ? sq : 1.0F);
-  const float missing = length - (somewhere ? sq * inverse : 0.0F), most = kMostMoved * length;
-  const float moved = missing * most / std::sqrt(std::max(most * most + missing * missing, kNoLengthSq));
-  return {choose(somewhere, inverse * to, kDown), moved};
+  const float x = (length - (somewhere ? sq * inverse : 0.0F)) * b.per_saturation.v[l];
+  const float above = x > -1.0F ? x : -1.0F, within = above < 1.0F ? above : 1.0F;
+  return {choose(somewhere, inverse * to, kDown),
+          b.saturation_m.v[l] * (within - (1.0F / 3.0F) * (within * within * within))};
 }
 
 /// Follow-the-leader of one group: `wish` is where it would like to be; out: its direction from the leader, and what it
@@ -43,7 +35,7 @@ PELAGE_INLINE void follow_leaders(const ChainBlock& b, std::uint32_t i, float co
   PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const float length = segment(b, i, l);
-    const Followed f = follow(load(wish, l) - load(p.before, l), length);
+    const Followed f = follow(load(wish, l) - load(p.before, l), b, l, length);
     store(leader_impulse, l, (-correction_per_s * f.moved_m) * f.along);
     store(p.along, l, f.along);
     p.length.v[l] = length;
@@ -77,7 +69,7 @@ PELAGE_INLINE void follow_freely(const ChainArrays& s, const ChainBlock& b, std:
     const Vec x = load(position[0], l) - load(b.root_shift, l);
     const Vec q = x + f.h * (load(velocity[0], l) + load(impulse[0], l)) + f.fall;
     const Vec before = load(position[-1], l);
-    const Followed way = follow(q - before, length);
+    const Followed way = follow(q - before, b, l, length);
     const Vec at = before + length * way.along;
     const Vec d = at - x;
     const float sq = dot(d, d);

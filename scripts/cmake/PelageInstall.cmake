@@ -8,7 +8,8 @@ list(REMOVE_ITEM boxes pelage_console)  # the programs' own
 
 add_library(pelage_runtime INTERFACE)
 add_library(pelage::runtime ALIAS pelage_runtime)
-target_link_libraries(pelage_runtime INTERFACE pelage_hair pelage_shading pelage_satf pelage_shadow)
+target_link_libraries(pelage_runtime INTERFACE pelage_hair pelage_shading pelage_satf pelage_shadow
+                      pelage_simulate)
 set_target_properties(pelage_runtime PROPERTIES EXPORT_NAME runtime)
 
 install(TARGETS ${boxes} pelage_runtime EXPORT PelageTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
