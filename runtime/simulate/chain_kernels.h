@@ -114,13 +114,8 @@ PELAGE_INLINE void keep_in_cone(const Lanes& least_cos, const Lanes3& before, La
     const Vec axis = load(before, l), d = load(along, l);
     const float limit = least_cos.v[l];
     const float c = dot(axis, d);
-    // Opposite to the axis every plane is as good: one through the axis' smallest coordinate.
-    const bool steep = std::fabs(axis.x) > 0.6F;
-    const Vec any = steep ? Vec{-axis.x * axis.y, 1.0F - axis.y * axis.y, -axis.z * axis.y}
-                          : Vec{1.0F - axis.x * axis.x, -axis.y * axis.x, -axis.z * axis.x};
-    const Vec side = direction(d - c * axis, direction(any, any));
     const float sine = std::sqrt(std::max(1.0F - limit * limit, 0.0F));
-    store(along, l, choose(c < limit, limit * axis + sine * side, d));
+    store(along, l, choose(c < limit, limit * axis + sine * across(axis, d), d));
   }
 }
 

@@ -59,10 +59,7 @@ PELAGE_CLONES void turn_out(const Nearest& near, const Lanes& depth, Placing& p)
     const float length = p.length.v[l] > 0.0F ? p.length.v[l] : 1.0F;
     const float now = dot(n, d);
     const float raised = std::min(now + depth.v[l] / length, 1.0F);
-    const Vec across = std::fabs(n.x) > 0.6F ? Vec{-n.x * n.y, 1.0F - n.y * n.y, -n.z * n.y}
-                                             : Vec{1.0F - n.x * n.x, -n.y * n.x, -n.z * n.x};
-    const Vec side = direction(d - now * n, direction(across, across));
-    const Vec out = raised * n + std::sqrt(std::max(1.0F - raised * raised, 0.0F)) * side;
+    const Vec out = raised * n + std::sqrt(std::max(1.0F - raised * raised, 0.0F)) * across(n, d);
     store(p.along, l, choose(depth.v[l] > 0.0F, out, d));
   }
 }

@@ -48,4 +48,17 @@ PELAGE_INLINE Vec direction(Vec v, Vec otherwise) noexcept {
   return choose(sq > kNoLengthSq, inverse * v, otherwise);
 }
 
+/// Of |across|^2: below, what is left of a unit vector across another is their rounding, and points anywhere.
+inline constexpr float kAlongSq = 1e-12F;
+
+/// Unit vector at right angles to `axis`, towards d; where d lies along the axis any will do: one through the axis'
+/// smallest coordinate. Taken across twice: the first time a short remainder keeps rounding along the axis.
+PELAGE_INLINE Vec across(Vec axis, Vec d) noexcept {
+  const Vec towards = d - dot(axis, d) * axis;
+  const Vec any = choose(std::fabs(axis.x) > 0.6F, {-axis.x * axis.y, 1.0F - axis.y * axis.y, -axis.z * axis.y},
+                         {1.0F - axis.x * axis.x, -axis.y * axis.x, -axis.z * axis.x});
+  const Vec side = direction(choose(dot(towards, towards) > kAlongSq, towards, any), any);
+  return direction(side - dot(axis, side) * axis, side);
+}
+
 }  // namespace pelage
