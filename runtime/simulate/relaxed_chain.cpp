@@ -10,26 +10,23 @@ void repeat_tips(RelaxedChain& chain) {
       if (chain.segments[i].v[l] <= 0.0F) store(chain.at[i], l, load(chain.at[i - 1], l));
 }
 
-/// Every segment as long as it came out, turned where cone or colliders want it.
+/// Every segment as long as it came out, turned where cone or colliders want it; the next one follows.
 void turn_segments(const StrandBlocks& s, std::size_t block, const ChainStep& step, RelaxedChain& chain) {
   Placing p = {};
   begin_along(s, chain.block, rows_of(step.turn), p.along);
+  Lanes3 solved = chain.at[0];  // the vertex before, before it was turned
   for (std::uint32_t i = 1; i < chain.block.length; ++i) {
     const Lanes3 axis = p.along;
     for (int l = 0; l < kLanes; ++l) {
-      const Vec d = load(chain.at[i], l) - load(chain.at[i - 1], l);
+      const Vec here = load(chain.at[i], l), d = here - load(solved, l);
+      store(solved, l, here);
       store(p.before, l, load(chain.at[i - 1], l));
-      store(p.along, l, direction(d, load(axis, l)));
+      store(p.along, l, direction(here - load(p.before, l), load(axis, l)));
       p.length.v[l] = chain.segments[i].v[l] > 0.0F ? std::sqrt(dot(d, d)) : 0.0F;
     }
     if (!step.cone_cos.empty()) keep_in_cone(step.cone_cos[chain.block.first + i], axis, p.along);
-    Lanes3 moved;
-    place(p, moved);
-    if (step.colliders != nullptr) collide(s, chain.block, block, i, step, p, moved);
-    for (std::uint32_t k = i + 1; k < chain.block.length; ++k)
-      for (int l = 0; l < kLanes; ++l)
-        store(chain.at[k], l, load(chain.at[k], l) + load(moved, l) - load(chain.at[i], l));
-    chain.at[i] = moved;
+    place(p, chain.at[i]);
+    if (step.colliders != nullptr) collide(s, chain.block, block, i, step, p, chain.at[i]);
   }
 }
 
