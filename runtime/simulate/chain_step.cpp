@@ -17,15 +17,15 @@ struct Followed {
   float moved_m;  // saturating, see below
 };
 
-/// What saturates, and why: kSaturated.
+/// What saturates, and why: kSaturated. No length (beyond a strand's own tip), no correction.
 PELAGE_INLINE Followed follow(Vec to, const ChainBlock& b, int l, float length) noexcept {
   const float sq = dot(to, to);
   const bool somewhere = sq > kNoLengthSq;
   const float inverse = 1.0F / std::sqrt(somewhere ? sq : 1.0F);
   const float x = (length - (somewhere ? sq * inverse : 0.0F)) * b.per_saturation.v[l];
   const float above = x > -1.0F ? x : -1.0F, within = above < 1.0F ? above : 1.0F;
-  return {choose(somewhere, inverse * to, kDown),
-          b.saturation_m.v[l] * (within - (1.0F / 3.0F) * (within * within * within))};
+  const float saturation_m = length > 0.0F ? b.saturation_m.v[l] : 0.0F;
+  return {choose(somewhere, inverse * to, kDown), saturation_m * (within - (1.0F / 3.0F) * (within * within * within))};
 }
 
 /// Follow-the-leader of one group: `wish` is where it would like to be; out: its direction from the leader, and what it
