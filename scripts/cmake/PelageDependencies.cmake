@@ -20,6 +20,7 @@ find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 find_path(VALIJSON_INCLUDE_DIR valijson/validator.hpp REQUIRED)   # data_schema: JSON Schema
 if(PELAGE_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(rapidcheck REQUIRED)   # tests/simulate: properties
   include(GoogleTest)
 endif()
 if(PELAGE_BUILD_BENCHMARKS)
