@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/figure_sheet.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/scene_options.h"
@@ -77,22 +78,24 @@ struct FrameReport {
 
 class Sequence {
  public:
-  Sequence(const SimulateOptions& options, const Scene& scene)
-      : options_(options), scene_(scene), drawing_(make_drawing(scene, true)) {
+  Sequence(const SimulateOptions& options, const Scene& scene) : options_(options), scene_(scene) {
     const SimulationSettings& s = scene.simulation;
-    hair_.emplace(drawing_->lines(), drawing_->head(), s);
+    const Subject subject = prepare();
+    name_ = subject.hair.name;
+    strands_ = subject.hair.strands.count();
+    hair_.emplace(subject.hair.strands, subject.head, s);
     const double length = options.seconds > 0 ? options.seconds : motion_length_s(s.motion);
     frames_ = std::max(1, static_cast<int>(std::lround((length > 0 ? length : kStillSeconds) * options.fps)));
     const ImageSettings& p = scene.image;
     const Bounds way =
-        motion_bounds(drawing_->lines(), drawing_->head(), s.motion, hair_->pivot(), frames_ / options.fps);
+        motion_bounds(subject.hair.strands, subject.head, s.motion, hair_->pivot(), frames_ / options.fps);
     camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
     describe();
   }
 
   void run() {
     settle();
-    console::Progress progress("simulating " + drawing_->name(), static_cast<std::uint64_t>(frames_), "frames");
+    console::Progress progress("simulating " + name_, static_cast<std::uint64_t>(frames_), "frames");
     for (int k = 0; k < frames_; ++k) {
       console::throw_if_interrupted();
       frame(k);
@@ -106,10 +109,17 @@ class Sequence {
   const Simulation& simulation() const { return hair_->simulation(); }
 
  private:
+  /// What is to move; with pictures, as the method draws it.
+  Subject prepare() {
+    if (options_.out.empty()) return {prepare_strands(scene_), prepare_head(scene_)};
+    drawing_ = make_drawing(scene_, true);
+    return {{drawing_->name(), drawing_->lines()}, drawing_->head()};
+  }
+
   void describe() const {
     const Simulation& sim = hair_->simulation();
-    spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", drawing_->name(),
-                 scene_.simulation.name, sim.blocks().strands, drawing_->lines().count(),
+    spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", name_,
+                 scene_.simulation.name, sim.blocks().strands, strands_,
                  sim.blocks().first.back() * static_cast<std::uint32_t>(kLanes),
                  static_cast<double>(sim.facts().bytes) / 1048576.0, frames_);
   }
@@ -149,7 +159,9 @@ class Sequence {
 
   const SimulateOptions& options_;
   const Scene& scene_;
-  std::unique_ptr<Drawing> drawing_;
+  std::unique_ptr<Drawing> drawing_;  // none without pictures
+  std::string name_;
+  std::size_t strands_ = 0;
   std::optional<MovingHair> hair_;
   Camera camera_;
   int frames_ = 0;
@@ -187,6 +199,8 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
   make_folder(options.hair_out, numbered(options.hair_out, "frame", 0, ".hair"));
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
+  if (scene.method == Method::satf && !options.out.empty() && !options.hair_out.empty())
+    throw UsageError("method satf moves clusters, not strands: give --hair-out without -o, or another --method");
   std::optional<HeadlessContext> context;
   if (needs_opengl(scene.method) && !options.out.empty()) context.emplace();
   Sequence sequence(options, scene);
