@@ -113,7 +113,7 @@ struct Simulation::State {
   State(const Strands& lines, const Mesh& head, const SimulationSettings& s)
       : settings(s),
         pivot(middle_of_roots(lines)),
-        pose{pivot, {}},
+        pose{pivot, glm::dquat(1.0, 0.0, 0.0, 0.0)},
         shown(pose),
         blocks(make_blocks(lines, pivot)),
         colliders(s.collision, head, pivot),
