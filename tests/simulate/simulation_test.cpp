@@ -213,6 +213,41 @@ TEST(Simulation, ResetIsTheGroomAtRest) {
     EXPECT_LT(glm::distance(now.vertices[v], rest.vertices[v]), 1e-6F);
 }
 
+TEST(Simulation, TeleportKeepsTheMotion) {
+  // In the middle of a fall one of two is put elsewhere, turned about the vertical: both fall on alike.
+  const Strands rest = ball_of_hair(50, 12);
+  Simulation here(rest, {}, bare(false)), there(rest, {}, bare(false));
+  settle(here, 0.1);
+  settle(there, 0.1);
+  const RigidPose still{here.pivot(), glm::dquat(1.0, 0.0, 0.0, 0.0)}, away = turned(here.pivot(), 2.0, {3, 1, -2});
+  there.teleport(away);
+  for (int k = 0; k < 6; ++k) {
+    here.advance(1.0 / 60, still);
+    there.advance(1.0 / 60, away);
+  }
+  Strands a = rest, b = rest;
+  here.positions(a);
+  there.positions(b);
+  for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+    const glm::dvec3 expected = away.position + away.rotation * (glm::dvec3(a.vertices[v]) - here.pivot());
+    ASSERT_LT(glm::distance(glm::dvec3(b.vertices[v]), expected), 1e-4) << v;
+  }
+}
+
+TEST(Simulation, AfterResetItGoesAsAtFirst) {
+  const Strands rest = ball_of_hair(50, 12);
+  Simulation used(rest, {}, bare()), fresh(rest, {}, bare());
+  settle(used, 0.3);
+  used.reset();
+  settle(used, 0.2);
+  settle(fresh, 0.2);
+  Strands a = rest, b = rest;
+  used.positions(a);
+  fresh.positions(b);
+  for (std::size_t v = 0; v < a.vertices.size(); ++v)
+    ASSERT_LT(glm::distance(a.vertices[v], b.vertices[v]), 1e-4F) << v;
+}
+
 TEST(Simulation, FarFromTheOriginIsAsGoodAsAtIt) {
   // HARD_CASES 9: 1000 km away the same motion, to the last bits of the roots' way.
   const auto shape_after = [](const glm::dvec3& place) {

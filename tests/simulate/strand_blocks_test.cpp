@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -44,6 +45,39 @@ TEST(StrandBlocks, KeepLanesOfOneBlockOfLikeLength) {
     held += blocks.length(b) * kLanes;
   }
   EXPECT_LT(static_cast<double>(held), 1.05 * static_cast<double>(used));
+}
+
+TEST(StrandBlocks, RepeatTheTipBeyondAStrand) {
+  const StrandBlocks blocks = make_blocks(mixed_strands(40), glm::dvec3(0));
+  for (std::size_t b = 0; b < blocks.count(); ++b) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const auto count = static_cast<std::uint32_t>(blocks.vertices[b].v[l]);
+      for (std::uint32_t i = std::max(count, 1U); i < blocks.length(b); ++i) {
+        const Lanes3 &here = blocks.rest[blocks.first[b] + i], &tip = blocks.rest[blocks.first[b] + i - 1];
+        EXPECT_EQ(here.y[l], tip.y[l]) << "block " << b << ", lane " << l;
+      }
+    }
+  }
+}
+
+TEST(StrandBlocks, HoldNeighbours) {
+  // 16 x 16 x 16 roots a centimetre apart: 16 of one block lie within 4 x 2 x 2 of them.
+  Strands strands;
+  for (int k = 0; k < 4096; ++k) {
+    const glm::vec3 root(0.01F * static_cast<float>(k % 16), 0.01F * static_cast<float>(k / 16 % 16),
+                         0.01F * static_cast<float>(k / 256));
+    strands.append(std::vector<glm::vec3>{root, root + glm::vec3(0, 0.1F, 0)});
+  }
+  const StrandBlocks blocks = make_blocks(strands, glm::dvec3(0));
+  for (std::size_t b = 0; b < blocks.count(); ++b) {
+    const Lanes3& r = blocks.root_rest[b];
+    float spread = 0;
+    for (const float* axis : {r.x, r.y, r.z}) {
+      const auto [low, high] = std::minmax_element(axis, axis + kLanes);
+      spread += *high - *low;
+    }
+    EXPECT_LT(spread, 0.0501F) << "block " << b;
+  }
 }
 
 TEST(StrandBlocks, RefuseWhatIsNotFiniteByStrand) {

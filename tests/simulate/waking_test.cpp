@@ -156,5 +156,28 @@ TEST(Waking, SleepingHairKeepsWhatHoldsIt) {
   EXPECT_LT(simulation.facts().fastest_m_s, 2e-3F);
 }
 
+TEST(Waking, AsleepNothingMoves) {
+  Simulation simulation(tufts({{0, 0, 0}}), {}, sleepy(true));
+  for (int k = 0; k < 120; ++k) simulation.advance(1.0 / 60, still(simulation));
+  ASSERT_EQ(simulation.facts().asleep, kTuft);
+  for (const Lanes3& v : simulation.blocks().velocity)
+    for (int l = 0; l < kLanes; ++l) ASSERT_EQ(v.x[l] * v.x[l] + v.y[l] * v.y[l] + v.z[l] * v.z[l], 0.0F);
+}
+
+TEST(Waking, TurningPointsOfASwingDoNotAddUp) {
+  // A link that swings by 1 m/s is below .1 m/s for .06 s twice in a second: it never rests for .15 s.
+  SimulationSettings s = sleepy(false);
+  s.chain.damping_per_s = 0;
+  s.life.sleep_m_s = 0.1F;
+  s.life.sleep_after_s = 0.15F;
+  Strands hair;
+  hair.append(std::vector<vec3>{{0, 0, 0}, {0.2F, -0.22F, 0}});
+  Simulation simulation(hair, {}, s);
+  for (int k = 0; k < 300; ++k) {
+    simulation.advance(1.0 / 60, still(simulation));
+    ASSERT_EQ(simulation.facts().asleep, 0U) << "frame " << k;
+  }
+}
+
 }  // namespace
 }  // namespace pelage
