@@ -227,6 +227,34 @@ TEST(Contact, CreaseOfTwoOverlappingSolids) {
   EXPECT_LE(worst_stretch(scene.blocks()), 1e-5);
 }
 
+TEST(Contact, HairThatFallsIntoACreaseLiesInIt) {
+  // Along the circle where two spheres meet: pushed from one into the other and back, round by round.
+  Strands hair;
+  for (int s = 0; s < 9; ++s)
+    hair.append(straight_chain(15, 0.3F, {0, 0, 1}, {0.003F * static_cast<float>(s - 4), 0.1F, -0.15F}));
+  Scene scene(hair, {ball({-0.05F, 0, 0}, 0.07F), ball({0.05F, 0, 0}, 0.07F)});
+  const double least = scene.run(600);
+  std::printf("along the crease: nearest %.2e m\n", least);
+  EXPECT_GE(least, static_cast<double>(kMargin_m) - 5e-4);
+}
+
+TEST(Contact, HairThatLiesInASolidAtRestMayStay) {
+  // A groom at rest whose strands dip 8 mm into the head: it is not blown up by its collider.
+  SimulationSettings s = bare(false);
+  s.shape.hold_rad_s = 30;
+  s.shape.hold_tip = 1;
+  s.shape.sag_free = true;
+  s.collision.capsules = {{.from = {0, 0, 0}, .to = {0, 0, 0}, .radius_m = 0.05F, .with_head = true}};
+  Strands hair;
+  hair.append(straight_chain(10, 0.2F, {1, 0, 0}, {-0.06F, 0.042F, 0}));
+  Simulation simulation(hair, {}, s);
+  for (int k = 0; k < 60; ++k) simulation.advance(1.0 / 60, {simulation.pivot(), glm::dquat(1.0, 0.0, 0.0, 0.0)});
+  Strands now = hair;
+  simulation.positions(now);
+  for (std::size_t v = 0; v < hair.vertices.size(); ++v)
+    EXPECT_LT(glm::distance(now.vertices[v], hair.vertices[v]), 1e-4F) << v;
+}
+
 TEST(Contact, ASolidFasterThanItsOwnSizeSweepsHairAway) {
   // 5 cm of radius at 96 m/s: 20 cm in a step, from beyond the fringe to beyond it; hair hangs between two steps'
   // places.
