@@ -82,13 +82,14 @@ class SatfDrawing final : public FrameDrawing<SatfFrame> {
 };
 
 std::unique_ptr<Drawing> satf_drawing(const Scene& scene, bool moving) {
+  Mesh head = prepare_head(scene);  // first: what is wrong with it shows before the bake
   Hairstyle style = prepare_hairstyle(scene);
   std::optional<MovingClusters> clusters;
   if (moving) style = clusters.emplace(std::move(style)).style();
   BakeSettings bake;
   std::unique_ptr<RecordSource> records = prepare_records(scene, style, bake);
   console::throw_if_interrupted();
-  return std::make_unique<SatfDrawing>(style, std::move(records), bake, prepare_head(scene), std::move(clusters));
+  return std::make_unique<SatfDrawing>(style, std::move(records), bake, std::move(head), std::move(clusters));
 }
 
 class TruthDrawing final : public Drawing {
