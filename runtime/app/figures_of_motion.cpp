@@ -19,6 +19,7 @@ class Mover {
       : settings_(settings),
         drawing_(make_strand_drawing(Method::density_map, s.hair, s.head)),
         hair_(s.hair.strands, s.head, settings) {
+    hair_.set_time(-settings.life.settle_s);
     for (int k = 0; k < kFps * settings.life.settle_s; ++k) hair_.advance(1 / kFps, pose(0));
   }
   /// @param time_s  not before the last one

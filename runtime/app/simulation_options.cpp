@@ -50,11 +50,14 @@ SimulationSettings resolve_simulation(const CLI::App& verb, const SimulationOpti
   if (given("--wisps")) s.wisps = o.wisps;
   if (given("--settle")) s.life.settle_s = o.settle_s;
   if (given("--steps-per-second")) s.life.step_s = 1.0 / o.steps_per_s;
-  const bool drawn = verb.get_name() == "simulate" ? given("--out") : given("--preset") || given("--motion");
-  if (drawn && scene.method == Method::satf && s.shape.curl.radius_m > 0)
-    throw UsageError("preset " + s.name + " curls strands, and method satf has none: give --method density-map, or " +
-                     "another preset, e.g. hold-shape");
   return s;
+}
+
+void check_curls(const Scene& scene) {
+  if (scene.method == Method::satf && scene.simulation.shape.curl.radius_m > 0)
+    throw UsageError("preset " + scene.simulation.name +
+                     " curls strands, and method satf has none: give --method density-map, or another preset, e.g. " +
+                     "hold-shape");
 }
 
 std::shared_ptr<SimulationOptions> add_simulation_options(CLI::App& app) {

@@ -21,4 +21,7 @@ std::shared_ptr<SimulationOptions> add_simulation_options(CLI::App& verb);
 /// The scene's settings, then what the command line changes of them. @throws UsageError
 SimulationSettings resolve_simulation(const CLI::App& verb, const SimulationOptions& options, const Scene& scene);
 
+/// For hair that is drawn as it moves. @throws UsageError for curls by SATF
+void check_curls(const Scene& scene);
+
 }  // namespace pelage::app

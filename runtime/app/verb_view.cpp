@@ -116,6 +116,7 @@ class Motion {
 
   void restart() {
     time_s_ = 0;
+    hair_.set_time(0);
     hair_.teleport(head_pose(settings_.motion, hair_.pivot(), 0));
     hair_.reset();
   }
@@ -152,6 +153,7 @@ struct ViewOptions {
 void view(const CLI::App& verb, const ViewOptions& options) {
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
+  if (is_moving(verb)) check_curls(scene);
   if (!needs_opengl(scene.method))
     throw UsageError("--method truth takes minutes a picture and has no window: use pelage render");
   Window window(scene.image.width, scene.image.height, "pelage: preparing " + scene.hair);

@@ -11,8 +11,6 @@ MovingHair::MovingHair(const Strands& hair, const Mesh& head, const SimulationSe
     detail_.emplace(hair, lines_);
   else
     hair_ = lines_;
-  hair_.diameter_m = hair.diameter_m;
-  if (hair_.colours.empty()) hair_.colours = hair.colours;
   if (settings.shape.curl.radius_m > 0) {
     curls_.emplace(hair_, settings.shape.curl);
     curled_ = curls_->rest();

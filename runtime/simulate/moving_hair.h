@@ -24,6 +24,7 @@ class MovingHair {
   void advance(double frame_s, const RigidPose& head);
   void teleport(const RigidPose& head);
   void reset();
+  void set_time(double time_s) noexcept { simulation_->set_time(time_s); }
 
   /// The hair as it is drawn now; diameters and colours are the groom's.
   const Strands& hair();

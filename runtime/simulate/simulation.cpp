@@ -393,6 +393,11 @@ void Simulation::reset() {
   s.show();
 }
 
+void Simulation::set_time(double time_s) noexcept {
+  state_->time_s = time_s;
+  state_->wake_all();
+}
+
 void Simulation::positions(Strands& out) const {
   world_positions(state_->blocks, state_->shown.position, out);
 }

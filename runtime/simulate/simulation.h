@@ -64,6 +64,8 @@ class Simulation {
   void teleport(const RigidPose& head);
   /// The groom's own shape, at rest, where the head is.
   void reset();
+  /// Of gusts and of colliders with a velocity; 0 at first. Negative: before their positions of time 0.
+  void set_time(double time_s) noexcept;
 
   /// World positions; `out` is laid out as the lines.
   void positions(Strands& out) const;
