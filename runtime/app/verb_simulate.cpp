@@ -39,8 +39,18 @@ struct SimulateOptions {
 
 /// Longest that a motion without an end of its own is shown [s].
 constexpr double kStillSeconds = 2;
-std::string numbered(const std::filesystem::path& folder, const char* stem, int frame, const char* extension) {
-  return (folder / fmt::format("{}_{:04d}{}", stem, frame, extension)).string();
+/// Between poses of the head, which moves evenly from one to the next.
+constexpr double kLongestPiece_s = 1.0 / 60;
+
+std::string numbered(const std::filesystem::path& folder, int frame, const char* extension) {
+  return (folder / fmt::format("frame_{:04d}{}", frame, extension)).string();
+}
+
+/// Says so where files of a longer sequence stay behind the last one.
+void warn_of_older(const std::filesystem::path& folder, int frames, const char* extension) {
+  if (folder.empty()) return;
+  const std::string next = numbered(folder, frames, extension);
+  if (std::filesystem::exists(next)) spdlog::warn("{} and what follows are of an earlier, longer sequence", next);
 }
 
 /// @throws OutputError where a folder cannot be made or written into
@@ -91,6 +101,8 @@ class Sequence {
         motion_bounds(subject.hair.strands, subject.head, s.motion, hair_->pivot(), frames_ / options.fps);
     camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
     describe();
+    warn_of_older(options.out, frames_, ".png");
+    warn_of_older(options.hair_out, frames_, ".hair");
   }
 
   void run() {
@@ -126,24 +138,39 @@ class Sequence {
 
   RigidPose pose(double time_s) const { return head_pose(scene_.simulation.motion, hair_->pivot(), time_s); }
 
-  void settle() {
-    const int frames = static_cast<int>(std::lround(scene_.simulation.life.settle_s * options_.fps));
-    for (int k = 0; k < frames; ++k) {
+  /// In pieces short enough for the head's path to be that of any frame rate, and for no time to be dropped.
+  void advance(double from_s, double to_s) {
+    const LifeSettings& life = scene_.simulation.life;
+    const double longest_s = std::min(kLongestPiece_s, std::max(life.catch_up_s, life.step_s));
+    const int pieces = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / longest_s - 1e-6)));
+    const double piece_s = (to_s - from_s) / pieces;
+    for (int i = 1; i <= pieces; ++i) {
       console::throw_if_interrupted();
-      hair_->advance(1.0 / options_.fps, pose(0));
+      hair_->advance(piece_s, pose(i == pieces ? to_s : from_s + i * piece_s));
+      fastest_m_s_ = std::max(fastest_m_s_, hair_->simulation().facts().fastest_m_s);
+      fastest_root_m_s_ = std::max(fastest_root_m_s_, hair_->simulation().facts().fastest_root_m_s);
     }
+  }
+
+  /// So that gusts and moving colliders come to time 0 with the first frame.
+  void settle() {
+    const double settle_s = scene_.simulation.life.settle_s;
+    hair_->teleport(pose(0));
+    hair_->set_time(-settle_s);
+    if (settle_s > 0) advance(-settle_s, 0);
   }
 
   void frame(int k) {
     const SimulationFacts before = hair_->simulation().facts();
-    if (k > 0) hair_->advance(1.0 / options_.fps, pose(k / options_.fps));
+    fastest_m_s_ = fastest_root_m_s_ = 0;
+    if (k > 0) advance((k - 1) / options_.fps, k / options_.fps);
     const SimulationFacts& now = hair_->simulation().facts();
     totals_.add("chains", now.chain_ms - before.chain_ms);
     totals_.add("grid", now.grid_ms - before.grid_ms);
     const Strands& strands = hair_->hair();
     totals_.add("strands", hair_->hair_ms());
-    reports_.push_back({k, hair_->simulation().state_hash(), now.fastest_m_s, now.fastest_root_m_s, now.asleep});
-    if (!options_.hair_out.empty()) hair::write_strands(strands, numbered(options_.hair_out, "frame", k, ".hair"));
+    reports_.push_back({k, hair_->simulation().state_hash(), fastest_m_s_, fastest_root_m_s_, now.asleep});
+    if (!options_.hair_out.empty()) hair::write_strands(strands, numbered(options_.hair_out, k, ".hair"));
     if (!options_.out.empty()) draw(k, strands);
   }
 
@@ -152,7 +179,7 @@ class Sequence {
     drawing_->move(strands, hair_->pose().rotation, hair_->head());
     Image image = drawing_->render(scene_, camera_);
     for (const Stage& s : drawing_->ledger().stages()) totals_.add(s.name, s.milliseconds);
-    write_picture(std::move(image), scene_, numbered(options_.out, "frame", k, ".png"));
+    write_picture(std::move(image), scene_, numbered(options_.out, k, ".png"));
     totals_.add("(move, draw, write)",
                 std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   }
@@ -165,6 +192,7 @@ class Sequence {
   std::optional<MovingHair> hair_;
   Camera camera_;
   int frames_ = 0;
+  float fastest_m_s_ = 0, fastest_root_m_s_ = 0;  // of this frame
   Totals totals_;
   std::vector<FrameReport> reports_;
 };
@@ -193,19 +221,23 @@ void print_stats(const Sequence& sequence) {
 }
 
 void simulate(const CLI::App& verb, const SimulateOptions& options) {
-  if (!options.video.empty() && options.out.empty()) throw UsageError("--video is made from pictures: give -o as well");
-  if (!options.video.empty()) check_video(options.video);
-  make_folder(options.out, numbered(options.out, "frame", 0, ".png"));
-  make_folder(options.hair_out, numbered(options.hair_out, "frame", 0, ".hair"));
+  const bool pictures = !options.out.empty();
+  if (!options.video.empty() && !pictures) throw UsageError("--video is made from pictures: give -o as well");
+  if (!pictures && options.hair_out.empty() && !options.stats && !console::common().json)
+    throw UsageError("nothing is asked for: give -o for pictures, --hair-out for hair files, --stats or --json");
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
-  if (scene.method == Method::satf && !options.out.empty() && !options.hair_out.empty())
+  if (pictures) check_curls(scene);
+  if (scene.method == Method::satf && pictures && !options.hair_out.empty())
     throw UsageError("method satf moves clusters, not strands: give --hair-out without -o, or another --method");
+  if (!options.video.empty()) check_video(options.video);
+  make_folder(options.out, numbered(options.out, 0, ".png"));
+  make_folder(options.hair_out, numbered(options.hair_out, 0, ".hair"));
   std::optional<HeadlessContext> context;
-  if (needs_opengl(scene.method) && !options.out.empty()) context.emplace();
+  if (pictures && needs_opengl(scene.method)) context.emplace();
   Sequence sequence(options, scene);
   sequence.run();
-  if (!options.video.empty()) make_video((options.out / "frame_%04d.png").string(), options.fps, options.video);
+  if (!options.video.empty()) make_video(options.out, sequence.frames(), options.fps, options.video);
   if (console::common().json) {
     print_json(sequence);
     return;

@@ -53,13 +53,18 @@ void check_video(const std::filesystem::path& file) {
   check_writable(file);
 }
 
-void make_video(const std::string& pictures, double fps, const std::filesystem::path& file) {
+void make_video(const std::filesystem::path& folder, int frames, double fps, const std::filesystem::path& file) {
+  std::string pictures;
+  for (const char c : (folder / "frame_").string()) pictures += c == '%' ? "%%" : std::string(1, c);
+  pictures += "%04d.png";
   AtomicFile out(file);
   // Players want 4:2:0, which wants even sizes.
-  const int status = run({"ffmpeg", "-y", "-loglevel", "error", "-framerate", fmt::format("{}", fps), "-i", pictures,
-                          "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", out.temporary().string()});
+  const int status = run({"ffmpeg", "-y", "-loglevel", "error", "-framerate", fmt::format("{}", fps), "-start_number",
+                          "0", "-i", pictures, "-frames:v", std::to_string(frames), "-vf",
+                          "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", out.temporary().string()});
   if (status != 0)
-    throw OutputError(file.string(), fmt::format("ffmpeg ended with {}; the pictures are there: {}", status, pictures));
+    throw OutputError(file.string(),
+                      fmt::format("ffmpeg ended with {}; the pictures are there: {}", status, folder.string()));
   out.commit();
 }
 
