@@ -17,14 +17,14 @@ struct Followed {
   float moved_m;  // saturating, see below
 };
 
-/// What saturates, and why: kSaturated. No length (beyond a strand's own tip), no correction.
-PELAGE_INLINE Followed follow(Vec to, const ChainBlock& b, int l, float length) noexcept {
+/// What saturates, and why: kSaturated.
+/// @param saturation_m  the block's; 0 where there is no follower (beyond a strand's own tip): no correction
+PELAGE_INLINE Followed follow(Vec to, float length, float saturation_m, float per_saturation) noexcept {
   const float sq = dot(to, to);
   const bool somewhere = sq > kNoLengthSq;
   const float inverse = 1.0F / std::sqrt(somewhere ? sq : 1.0F);
-  const float x = (length - (somewhere ? sq * inverse : 0.0F)) * b.per_saturation.v[l];
+  const float x = (length - (somewhere ? sq * inverse : 0.0F)) * per_saturation;
   const float above = x > -1.0F ? x : -1.0F, within = above < 1.0F ? above : 1.0F;
-  const float saturation_m = length > 0.0F ? b.saturation_m.v[l] : 0.0F;
   return {choose(somewhere, inverse * to, kDown), saturation_m * (within - (1.0F / 3.0F) * (within * within * within))};
 }
 
@@ -35,7 +35,8 @@ PELAGE_INLINE void follow_leaders(const ChainBlock& b, std::uint32_t i, float co
   PELAGE_EACH_LANE
   for (int l = 0; l < kLanes; ++l) {
     const float length = segment(b, i, l);
-    const Followed f = follow(load(wish, l) - load(p.before, l), b, l, length);
+    const float saturation_m = length > 0.0F ? b.saturation_m.v[l] : 0.0F;
+    const Followed f = follow(load(wish, l) - load(p.before, l), length, saturation_m, b.per_saturation.v[l]);
     store(leader_impulse, l, (-correction_per_s * f.moved_m) * f.along);
     store(p.along, l, f.along);
     p.length.v[l] = length;
@@ -60,16 +61,19 @@ Factors factors_of(const ChainStep& step) noexcept {
 template <bool kWhole>
 PELAGE_INLINE void follow_freely(const ChainArrays& s, const ChainBlock& b, std::uint32_t i, const Factors f,
                                  Lanes& moved) noexcept {
-  Lanes3* const __restrict position = s.position + b.first + i, * const __restrict velocity = s.velocity + b.first + i, * const __restrict impulse = s.impulse + b.first + i;
+  Lanes3* const __restrict position = s.position + b.first + i;
+  Lanes3* const __restrict velocity = s.velocity + b.first + i;
+  Lanes3* const __restrict impulse = s.impulse + b.first + i;
   const float velocity_per_m = f.damping * f.per_s;
   PELAGE_EACH_LANE
 #pragma GCC unroll 1
   for (int l = 0; l < kLanes; ++l) {
     const float length = kWhole ? b.segment_m.v[l] : segment(b, i, l);
+    const float saturation_m = kWhole || length > 0.0F ? b.saturation_m.v[l] : 0.0F;
     const Vec x = load(position[0], l) - load(b.root_shift, l);
     const Vec q = x + f.h * (load(velocity[0], l) + load(impulse[0], l)) + f.fall;
     const Vec before = load(position[-1], l);
-    const Followed way = follow(q - before, b, l, length);
+    const Followed way = follow(q - before, length, saturation_m, b.per_saturation.v[l]);
     const Vec at = before + length * way.along;
     const Vec d = at - x;
     const float sq = dot(d, d);
