@@ -3,6 +3,7 @@
 
 #include "pelage/app/figure_sheet.h"
 #include "pelage/app/motion_bounds.h"
+#include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/simulate/head_motion.h"
 #include "pelage/simulate/moving_hair.h"
@@ -19,8 +20,7 @@ class Mover {
       : settings_(settings),
         drawing_(make_strand_drawing(Method::density_map, s.hair, s.head)),
         hair_(s.hair.strands, s.head, settings) {
-    hair_.set_time(-settings.life.settle_s);
-    for (int k = 0; k < kFps * settings.life.settle_s; ++k) hair_.advance(1 / kFps, pose(0));
+    hair_.begin(pose(0), settings.life.settle_s, console::throw_if_interrupted);
   }
   /// @param time_s  not before the last one
   Image at(double time_s, const Scene& scene) {

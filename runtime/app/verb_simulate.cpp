@@ -106,7 +106,7 @@ class Sequence {
   }
 
   void run() {
-    settle();
+    hair_->begin(pose(0), scene_.simulation.life.settle_s, console::throw_if_interrupted);
     console::Progress progress("simulating " + name_, static_cast<std::uint64_t>(frames_), "frames");
     for (int k = 0; k < frames_; ++k) {
       console::throw_if_interrupted();
@@ -153,13 +153,6 @@ class Sequence {
   }
 
   /// So that gusts and moving colliders come to time 0 with the first frame.
-  void settle() {
-    const double settle_s = scene_.simulation.life.settle_s;
-    hair_->teleport(pose(0));
-    hair_->set_time(-settle_s);
-    if (settle_s > 0) advance(-settle_s, 0);
-  }
-
   void frame(int k) {
     const SimulationFacts before = hair_->simulation().facts();
     fastest_m_s_ = fastest_root_m_s_ = 0;

@@ -112,13 +112,14 @@ std::string title_of(const Drawing& drawing, bool paused) {
 class Motion {
  public:
   Motion(const Drawing& drawing, const SimulationSettings& settings)
-      : settings_(settings), hair_(drawing.lines(), drawing.head(), settings) {}
+      : settings_(settings), hair_(drawing.lines(), drawing.head(), settings) {
+    restart();
+  }
 
   void restart() {
     time_s_ = 0;
-    hair_.set_time(0);
-    hair_.teleport(head_pose(settings_.motion, hair_.pivot(), 0));
-    hair_.reset();
+    hair_.begin(head_pose(settings_.motion, hair_.pivot(), 0), settings_.life.settle_s, console::throw_if_interrupted);
+    last_ = std::chrono::steady_clock::now();
   }
   void advance(Drawing& drawing) {
     const auto now = std::chrono::steady_clock::now();

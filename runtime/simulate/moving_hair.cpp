@@ -1,5 +1,6 @@
 #include "pelage/simulate/moving_hair.h"
 
+#include <algorithm>
 #include <chrono>
 #include <glm/gtc/quaternion.hpp>
 
@@ -29,6 +30,17 @@ void MovingHair::advance(double frame_s, const RigidPose& head) {
 void MovingHair::teleport(const RigidPose& head) {
   simulation_->teleport(head);
   pose_ = head;
+}
+
+void MovingHair::begin(const RigidPose& head, double settle_s, const std::function<void()>& told) {
+  constexpr double kPiece_s = 1.0 / 60;
+  teleport(head);
+  reset();
+  simulation_->set_time(-settle_s);
+  for (double left_s = settle_s; left_s > 0; left_s -= kPiece_s) {
+    if (told) told();
+    advance(std::min(left_s, kPiece_s), head);
+  }
 }
 
 void MovingHair::reset() {

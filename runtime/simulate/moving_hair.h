@@ -4,6 +4,7 @@
 // the hair, without a radius there are no curls.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "pelage/data_schema/mesh.h"
@@ -24,7 +25,9 @@ class MovingHair {
   void advance(double frame_s, const RigidPose& head);
   void teleport(const RigidPose& head);
   void reset();
-  void set_time(double time_s) noexcept { simulation_->set_time(time_s); }
+  /// The groom at rest in this pose at time -settle_s, then simulated until time 0: hair as it hangs before anything
+  /// moves.  @param told  now and then; may throw to interrupt
+  void begin(const RigidPose& head, double settle_s, const std::function<void()>& told = {});
 
   /// The hair as it is drawn now; diameters and colours are the groom's.
   const Strands& hair();

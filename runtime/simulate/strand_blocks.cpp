@@ -29,7 +29,8 @@ std::vector<std::uint32_t> morton_codes(const Strands& lines) {
     low = glm::min(low, lines.strand(s)[0]);
     high = glm::max(high, lines.strand(s)[0]);
   }
-  const glm::vec3 scale = kMortonCells / glm::max(high - low, glm::vec3(1e-9F));
+  const glm::vec3 size = high - low;
+  const float scale = kMortonCells / std::max({size.x, size.y, size.z, 1e-9F});  // one for all: near is near
   std::vector<std::uint32_t> codes(lines.count());
   for (std::size_t s = 0; s < codes.size(); ++s) {
     const glm::vec3 cell = (lines.strand(s)[0] - low) * scale;

@@ -87,6 +87,18 @@ TEST(MovingHair, RootsStayOnTheHeadHoweverItMoves) {
   }
 }
 
+TEST(MovingHair, BeginsTheSameWhateverCameBefore) {
+  SimulationSettings s = bare();
+  s.wind.velocity_m_s = {2, 0, 1};
+  MovingHair fresh(wavy(), {}, s), used(wavy(), {}, s);
+  const RigidPose start = turned(fresh.pivot(), 0.4, {0.1, 0, 0});
+  for (int k = 1; k < 20; ++k) used.advance(1.0 / 50, turned(used.pivot(), 0.1 * k));
+  fresh.begin(start, 0.3);
+  used.begin(start, 0.3);
+  EXPECT_EQ(fresh.simulation().state_hash(), used.simulation().state_hash());
+  EXPECT_LT(fresh.pose().position.x - start.position.x, 1e-12);
+}
+
 TEST(MovingHair, WithoutDetailIsItsCentreLines) {
   SimulationSettings s = weightless();
   s.detail = false;
