@@ -39,6 +39,9 @@ struct SimulateOptions {
 
 /// Longest that a motion without an end of its own is shown [s].
 constexpr double kStillSeconds = 2;
+constexpr double kMiB = 1048576.0;
+/// State and grid of 100,000 strands on a head take less.
+constexpr double kMuch_MiB = 256;
 /// Between poses of the head, which moves evenly from one to the next.
 constexpr double kLongestPiece_s = 1.0 / 60;
 
@@ -133,7 +136,12 @@ class Sequence {
     spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", name_,
                  scene_.simulation.name, sim.blocks().strands, strands_,
                  sim.blocks().first.back() * static_cast<std::uint32_t>(kLanes),
-                 static_cast<double>(sim.facts().bytes) / 1048576.0, frames_);
+                 static_cast<double>(sim.facts().bytes) / kMiB, frames_);
+    if (static_cast<double>(sim.facts().bytes) > kMuch_MiB * kMiB)
+      spdlog::warn(
+          "{}: voxels of {:.3g} m are small for hair of this size, most of the memory and time is theirs: a "
+          "larger simulation.interaction.cell_m in a scene file will do",
+          name_, scene_.simulation.interaction.cell_m);
   }
 
   RigidPose pose(double time_s) const { return head_pose(scene_.simulation.motion, hair_->pivot(), time_s); }
