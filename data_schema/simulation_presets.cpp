@@ -1,4 +1,5 @@
-// Presets: what people call hair, as parameters. Each was looked at on a straight and a wavy groom under `shake`.
+// Presets: what people call hair, as parameters. Each was looked at on a straight groom under `shake`
+// (pelage figure presets).
 #include <algorithm>
 
 #include "pelage/data_schema/errors.h"

@@ -24,20 +24,10 @@ class Sheet {
   Image image_;
 };
 
-struct Subject {
-  StrandHair hair;
-  Mesh head;
-};
-
 /// The scene's hair or, where none is named, a groom of our own.
 Subject subject_of(const Scene& scene, hair::GroomStyle style, std::uint32_t strands);
 /// Exposed and over the scene's background. @throws Interrupted
 Image picture_of(Drawing& drawing, const Scene& scene);
 glm::ivec2 size_of(const Scene& scene);
-
-/// Frames of a dance, a groom holding its shape.
-Image motion_figure(Scene scene);
-/// One moment of a shake under each preset.
-Image presets_figure(Scene scene);
 
 }  // namespace pelage::app

@@ -1,4 +1,5 @@
-// Figures of what `pelage simulate` does.
+#include "pelage/app/figures_of_motion.h"
+
 #include <fmt/format.h>
 
 #include "pelage/app/figure_sheet.h"

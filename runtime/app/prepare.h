@@ -24,6 +24,11 @@ struct StrandHair {
   float opacity = kDefaultOpacity;
 };
 StrandHair prepare_strands(const Scene& scene);
+/// Hair and what it grows on.
+struct Subject {
+  StrandHair hair;
+  Mesh head;
+};
 Mesh prepare_head(const Scene& scene);
 /// @param bake  out: the settings that the records were baked with
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake);

@@ -7,6 +7,7 @@
 
 #include "pelage/app/drawing.h"
 #include "pelage/app/figure_sheet.h"
+#include "pelage/app/figures_of_motion.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/shadow_error.h"
 #include "pelage/app/verbs.h"

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "pelage/app/drawing.h"
-#include "pelage/app/figure_sheet.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
+#include "pelage/app/prepare.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"

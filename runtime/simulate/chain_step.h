@@ -5,6 +5,7 @@
 //   dftl            one pass from root to tip; what a follower was moved by comes back to its leader as velocity
 //                   [Mueller2012; Almeida2014 eq. 3.1]. The printed Algorithm 2 has the sign of both terms reversed,
 //                   drops d, and reads past the tip; here the tip has no follower and its impulse is 0.
+//                   d saturates, or tips fly: kSaturated in chain_kernels.h
 //   position_based  distance constraints of equal masses relaxed from root to tip, `iterations` times [Mueller2006]
 //   tridiagonal     all constraints of a strand linearised and solved at once, `iterations` Newton steps [Han2013]
 //

@@ -27,7 +27,7 @@ PELAGE_INLINE bool shortfalls(const Placing& p, const Nearest& near, Lanes& dept
 
 void look(const StrandBlocks& s, std::size_t block, const ChainStep& step, const Lanes3& at, Nearest& near) noexcept {
   Lanes3 points;
-  for (int l = 0; l < kLanes; ++l) store(points, l, load(s.root[block], l) + load(at, l));
+  in_grid_frame(s.root[block], at, points);
   step.colliders->nearest(points, step.collision_margin_m, near);
 }
 

@@ -38,6 +38,12 @@ PELAGE_INLINE void store(Lanes3& a, int lane, Vec v) noexcept {
   a.y[lane] = v.y;
   a.z[lane] = v.z;
 }
+/// Vertices relative to their roots, in the grid frame.
+PELAGE_INLINE void in_grid_frame(const Lanes3& roots, const Lanes3& vertices, Lanes3& out) noexcept {
+  PELAGE_EACH_LANE
+  for (int l = 0; l < kLanes; ++l) store(out, l, load(roots, l) + load(vertices, l));
+}
+
 /// Squares below this have lost their digits: lengths under 1e-12 m are no direction.
 inline constexpr float kNoLengthSq = 1e-24F;
 

@@ -38,7 +38,7 @@ void check(const SimulationSettings& s) {
   const float correction = s.chain.ftl_correction;
   if (s.chain.solver == ChainSolver::dftl && !(correction >= 0.6F && correction <= 1.0F))
     throw UsageError("ftl_correction is " + std::to_string(static_cast<double>(correction)) +
-                     "; it lies between 0.6 (below .5 DFTL blows " + "up as the step shrinks) and 1");
+                     "; it lies between 0.6 (below .5 DFTL blows up as the step shrinks) and 1");
   if (!(s.life.explosion_m_s > 0)) throw UsageError("explosion_m_s must be above 0");
 }
 
@@ -90,7 +90,7 @@ std::vector<Lanes> clearances(const StrandBlocks& blocks, const Colliders& colli
   for (std::size_t b = 0; b < blocks.count(); ++b) {
     for (std::uint32_t v = blocks.first[b]; v < blocks.first[b + 1]; ++v) {
       Lanes3 points;
-      for (int l = 0; l < kLanes; ++l) store(points, l, load(blocks.root[b], l) + load(blocks.position[v], l));
+      in_grid_frame(blocks.root[b], blocks.position[v], points);
       Nearest near;
       colliders.nearest(points, margin_m, near);
       for (int l = 0; l < kLanes; ++l) result[v].v[l] = std::min(margin_m, near.distance.v[l]);
@@ -273,7 +273,7 @@ void Simulation::State::wake_touched() {
   for (std::size_t b = 0; b < awake.size(); ++b) {
     for (std::uint32_t v = blocks.first[b]; awake[b] == 0 && v < blocks.first[b + 1]; ++v) {
       Lanes3 points;
-      for (int l = 0; l < kLanes; ++l) store(points, l, load(blocks.root[b], l) + load(blocks.position[v], l));
+      in_grid_frame(blocks.root[b], blocks.position[v], points);
       Nearest near;
       colliders.nearest(points, settings.collision.margin_m, near);
       for (int l = 0; l < kLanes; ++l) {

@@ -31,7 +31,7 @@ class SimulationError : public std::runtime_error {
  public:
   SimulationError(std::size_t strand, std::size_t vertex, std::uint64_t frame, const std::string& what);
   std::size_t strand, vertex;
-  std::uint64_t frame;
+  std::uint64_t frame;  // calls of advance() so far, those before a sequence's first picture too
 };
 
 /// What happened so far.

@@ -109,7 +109,7 @@ TEST(ChainPhysics, PeriodsOfAHangingChain) {
 
 TEST(ChainPhysics, PeriodConvergesQuadraticallyWithTheWholeCorrection) {
   // NUMBERS, s = 1, N = 10. The values to a tenth of each and 3e-4, what float makes of 2 mm. (At 1/60 s the weight of
-  // ten links moves a vertex by a segment: the correction saturates, and 6.52 % become 5.3 %.)
+  // ten links moves a vertex by a segment: the correction saturates, and 6.52 % become 5.6 %.)
   const std::array<double, 4> expected{.0170, .0045, .0013, .00039};
   std::array<double, 4> errors{};
   for (std::size_t k = 0; k < errors.size(); ++k) {
