@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -135,6 +136,19 @@ template <class T>
 ordered_json put(const std::vector<T>& values) {
   ordered_json j = ordered_json::array();
   for (const T& value : values) j.push_back(put(value));
+  return j;
+}
+
+/// An object whose keys are data.
+template <class T>
+void get(const json& j, std::map<std::string, T>& values) {
+  values.clear();
+  for (const auto& [key, value] : j.items()) get(value, values[key]);
+}
+template <class T>
+ordered_json put(const std::map<std::string, T>& values) {
+  ordered_json j = ordered_json::object();
+  for (const auto& [key, value] : values) j[key] = put(value);
   return j;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,6 +83,12 @@ struct ImageSettings {
   bool operator==(const ImageSettings&) const = default;
 };
 
+/// What a scene asks of an effect. automatic: run where the scene calls for it, skipped within a stated bound
+/// (runtime/effects, DESIGN section 8); on: run whatever it may matter; off: as if its setting were zero.
+enum class EffectState { automatic, on, off };
+/// By the effect's name (schemas/scene.schema.json); those not named are automatic.
+using EffectStates = std::map<std::string, EffectState>;
+
 struct Scene {
   std::string hair;                // hair file or hairstyle file, relative to the scene file
   std::string head;                // OBJ or empty
@@ -101,6 +108,7 @@ struct Scene {
   TruthSettings truth;
   ImageSettings image;
   SimulationSettings simulation = simulation_preset("hold-shape");
+  EffectStates effects;
   BakeSettings bake;
   int clusters = 150;  // when hair is strands: clusters to fit, [1, 10000]
   Division division;   // when hair is strands

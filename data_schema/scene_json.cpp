@@ -15,6 +15,8 @@ namespace pelage::json_fields {
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<SelfShadow>{"none", "paper", "light"};
 template <>
+inline constexpr std::array<std::string_view, 3> kNames<EffectState>{"auto", "on", "off"};
+template <>
 inline constexpr std::array<std::string_view, 3> kNames<DrawOrder>{"clusters", "patches", "exact"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<RecordsFrom>{"database", "own-alpha", "direct"};
@@ -165,6 +167,7 @@ void fields(F&& f, Scene& s) {
   f("truth", s.truth);
   f("image", s.image);
   f("simulation", s.simulation);
+  f("effects", s.effects);
   f("bake", s.bake);
 }
 

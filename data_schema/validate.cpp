@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <regex>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -136,6 +137,14 @@ std::string allowed(const json& schema) {
   return "an array of " + count + " values, each " + allowed(schema["items"]);
 }
 
+/// Is the key one of those that the schema describes by a pattern?
+bool has_pattern(const json& schema, const std::string& key) {
+  if (!schema.contains("patternProperties")) return false;
+  for (const auto& [pattern, value] : schema["patternProperties"].items())
+    if (std::regex_search(key, std::regex(pattern))) return true;
+  return false;
+}
+
 /// One walk's state: throws at the first key that is unknown or missing.
 struct KeyWalk {
   const std::string& where;
@@ -146,7 +155,7 @@ struct KeyWalk {
 
   void unknown(const json& object, const json& schema, const Pointer& at) const {
     for (const auto& [key, value] : object.items())
-      if (!schema["properties"].contains(key)) {
+      if (!schema["properties"].contains(key) && !has_pattern(schema, key)) {
         const std::vector<std::string> keys = known_keys(schema);
         refuse(at, "unknown key " + shown(key) + "; the nearest known key is " + quoted(nearest_word(key, keys)));
       }

@@ -11,7 +11,7 @@
 #include "pelage/data_schema/strands.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
-#include "pelage/render/stages.h"
+#include "pelage/data_schema/stages.h"
 
 namespace pelage::app {
 

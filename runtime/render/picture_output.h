@@ -8,7 +8,7 @@
 
 #include "pelage/image/image.h"
 #include "pelage/render/gl_objects.h"
-#include "pelage/render/stages.h"
+#include "pelage/data_schema/stages.h"
 
 namespace pelage {
 

@@ -18,7 +18,7 @@
 #include "pelage/render/camera.h"
 #include "pelage/render/picture_output.h"
 #include "pelage/render/renderer.h"
-#include "pelage/render/stages.h"
+#include "pelage/data_schema/stages.h"
 #include "pelage/shadow/density_map.h"
 
 namespace pelage {

@@ -28,7 +28,7 @@
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
 #include "pelage/render/picture_output.h"
-#include "pelage/render/stages.h"
+#include "pelage/data_schema/stages.h"
 #include "pelage/render/strand_renderer.h"
 
 namespace pelage {

@@ -51,7 +51,19 @@ void expect_defaults(const json& schema, const json& values, const std::string& 
 void expect_same_keys(const json& schema, const json& values, const std::string& at) {
   EXPECT_EQ(values.size(), schema["properties"].size()) << at;
   for (const auto& [key, property] : schema["properties"].items())
-    if (property.contains("properties")) expect_same_keys(property, values[key], at + "/" + key);
+    if (property.contains("properties") && key != "effects")  // whose keys are data: written where given
+      expect_same_keys(property, values[key], at + "/" + key);
+}
+
+TEST(SceneJson, EffectsThatDoNotExistAreRefused) {
+  const test::TemporaryFolder folder;
+  const auto message = [&](const std::string& effects) {
+    return message_of<InputError>(
+        [&] { load_scene(folder.write("s.json", R"({"version": 1, "hair": "x", "effects": )" + effects + "}")); });
+  };
+  EXPECT_THAT(message(R"({"frictoin": "on"})"), HasSubstr("nearest known key is \"friction\""));
+  EXPECT_THAT(message(R"({"capsule-x": "on"})"), HasSubstr("capsule-x"));
+  EXPECT_THAT(message(R"({"friction": "maybe"})"), HasSubstr("friction"));
 }
 
 TEST(SceneJson, DocumentedDefaultsAreTheDefaults) {
@@ -110,7 +122,7 @@ TEST(SceneJson, EachKeyIsRead) {
       R"("velocity_m_s":[7.0,8.0,9.0],"with_head":true}]},"motion":{"kind":"keyframes","amplitude":2.5,"speed":1.5,)"
       R"("keys":[{"time_s":1.5,"position_m":[1.0,2.0,3.0],"turn_deg":[4.0,5.0,6.0]}]},"life":{"step_s":0.001953125,)"
       R"("catch_up_s":0.5,"settle_s":2.0,"max_speed_m_s":7.0,"explosion_m_s":8.0,"sleep_m_s":0.25,)"
-      R"("sleep_after_s":1.5}},)"
+      R"("sleep_after_s":1.5}},"effects":{"capsule-0":"on","friction":"off","self-shadow":"auto"},)"
       R"("bake":{"seed":9007199254740991,"sectors":3,"grid":9,"sigma":0.02,"views":4,"lights":5,"samples":6,)"
       R"("smoothing":0.5,"reference_scale":0.05,"max_path":2.0,"early_stop":0.5,"max_strands":7.0,)"
       R"("phong":{"diffuse":1.0,"specular":2.0,"exponent":3.0},"features":"paper3","storage":"half"}})";

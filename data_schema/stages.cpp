@@ -1,4 +1,4 @@
-#include "pelage/render/stages.h"
+#include "pelage/data_schema/stages.h"
 
 #include <algorithm>
 
