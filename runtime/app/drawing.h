@@ -8,10 +8,10 @@
 #include "pelage/app/prepare.h"
 #include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/scene.h"
+#include "pelage/data_schema/stages.h"
 #include "pelage/data_schema/strands.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
-#include "pelage/data_schema/stages.h"
 
 namespace pelage::app {
 

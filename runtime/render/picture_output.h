@@ -6,9 +6,9 @@
 #include <glm/vec3.hpp>
 #include <memory>
 
+#include "pelage/data_schema/stages.h"
 #include "pelage/image/image.h"
 #include "pelage/render/gl_objects.h"
-#include "pelage/data_schema/stages.h"
 
 namespace pelage {
 

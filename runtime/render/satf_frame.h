@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "pelage/data_schema/mesh.h"
+#include "pelage/data_schema/stages.h"
 #include "pelage/db/record_source.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
 #include "pelage/render/picture_output.h"
 #include "pelage/render/renderer.h"
-#include "pelage/data_schema/stages.h"
 #include "pelage/shadow/density_map.h"
 
 namespace pelage {

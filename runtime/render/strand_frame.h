@@ -25,10 +25,10 @@
 #include <vector>
 
 #include "pelage/data_schema/mesh.h"
+#include "pelage/data_schema/stages.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
 #include "pelage/render/picture_output.h"
-#include "pelage/data_schema/stages.h"
 #include "pelage/render/strand_renderer.h"
 
 namespace pelage {
