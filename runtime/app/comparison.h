@@ -35,7 +35,7 @@ struct ComparedMethod {
   std::string error_map;              // <id>-error.png: absolute error of linear luminance on the comparison's scale
   std::string flip_map;               // <id>-flip.png: FLIP in [0, 1]
   std::vector<ComparedFrame> frames;  // animated comparisons only
-  double flicker = 0;                 // RMS over its frames
+  double flicker = 0;                 // RMS over its frames after the first
 };
 
 struct Comparison {
@@ -52,6 +52,7 @@ struct Comparison {
   /// What the truth's own noise does to the figures: error of one half of its samples against the other, halved
   /// (RMSE and FLIP; bias is that of the halves).
   PictureError truth_noise;
+  double flicker_noise = 0;             // the same of flicker: what an exact method would show
   std::vector<ComparedMethod> methods;  // the truth first
 };
 

@@ -97,6 +97,7 @@ class TruthDrawing final : public Drawing {
   TruthDrawing(StrandHair hair, Mesh head) : Drawing(std::move(hair.name)), opacity_(hair.opacity) {
     set(hair.strands, std::move(head));
   }
+  void set_seed(std::uint64_t seed) override { seed_ = seed; }
   Strands lines() const override { return strands_; }
   Mesh head() const override { return head_; }
   void move(const Strands& lines, const glm::dquat&, Mesh head) override { set(lines, std::move(head)); }
@@ -120,6 +121,7 @@ class TruthDrawing final : public Drawing {
     request.lobes = {scene.strands.diffuse, scene.strands.primary_highlight, scene.strands.secondary_highlight};
     request.phong = scene.bake.phong;
     request.settings = scene.truth;
+    request.seed = seed_;
     auto stage = ledger_.run("trace");
     console::Progress progress("tracing " + name(),
                                static_cast<std::uint64_t>(request.width) * static_cast<std::uint64_t>(request.height),
@@ -139,6 +141,7 @@ class TruthDrawing final : public Drawing {
   Strands strands_;
   Mesh head_;
   float opacity_;
+  std::uint64_t seed_ = 1;
   StageLedger ledger_;
   std::optional<FibreScene> scene_;
   Bounds bounds_;

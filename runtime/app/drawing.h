@@ -30,6 +30,8 @@ class Drawing {
   virtual void move(const Strands& lines, const glm::dquat& turn, Mesh head) = 0;
   virtual const Bounds& bounds() const = 0;
   virtual const StageLedger& ledger() const = 0;
+  /// Of the truth: pictures of different seeds have independent noise. Others have none.
+  virtual void set_seed(std::uint64_t) {}
   /// Records that were searched for so far; 0 where there are none.
   virtual std::uint64_t searches() const { return 0; }
   const std::string& name() const noexcept { return name_; }

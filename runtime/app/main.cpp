@@ -14,5 +14,6 @@ int main(int argc, char** argv) {
   pelage::app::add_simulate(app);
   pelage::app::add_shadow_error(app);
   pelage::app::add_figure(app);
+  pelage::app::add_compare(app);
   return pelage::console::run_program(app, argc, argv);
 }

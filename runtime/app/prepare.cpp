@@ -163,13 +163,15 @@ Mesh prepare_head(const Scene& scene) {
 
 namespace {
 
-void bake_adapted(const BakeSettings& settings, const Hairstyle& style, const std::filesystem::path& file) {
-  console::Progress progress("baking for " + style.name, static_cast<std::uint64_t>(settings.sectors), "sectors");
-  const BakeResult result = bake_database(settings, &style, file, [&](std::uint64_t done, std::uint64_t) {
+/// @param style  none: random sectors
+void bake(const BakeSettings& settings, const Hairstyle* style, const std::filesystem::path& file) {
+  const std::string whom = style == nullptr ? "any hair" : style->name;
+  console::Progress progress("baking for " + whom, static_cast<std::uint64_t>(settings.sectors), "sectors");
+  const BakeResult result = bake_database(settings, style, file, [&](std::uint64_t done, std::uint64_t) {
     console::throw_if_interrupted();
     progress.update(done);
   });
-  spdlog::info("{}: {} records baked in {:.1f} s, {}", style.name, result.records, result.seconds, file.string());
+  spdlog::info("{}: {} records baked in {:.1f} s, {}", whom, result.records, result.seconds, file.string());
 }
 
 using Bank = std::shared_ptr<const RecordBank>;
@@ -184,7 +186,7 @@ Bank cached_bank(const BakeSettings& settings, const Hairstyle& style) {
       spdlog::warn("{}; it is baked again", damaged.what());
     }
   }
-  bake_adapted(settings, style, file);
+  bake(settings, &style, file);
   return std::make_shared<RecordBank>(file);
 }
 
@@ -198,7 +200,7 @@ Bank temporary_bank(const BakeSettings& settings, const Hairstyle& style) {
         std::filesystem::remove_all(*path, none);
         delete path;
       });
-  bake_adapted(settings, style, *folder / "adapted.hrir");
+  bake(settings, &style, *folder / "adapted.hrir");
   return std::make_shared<RecordBank>(*folder / "adapted.hrir");
 }
 
@@ -221,6 +223,20 @@ std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyl
     bank = temporary_bank(bake, style);
   }
   return std::make_unique<DatabaseSource>(std::move(bank), lookup);
+}
+
+std::filesystem::path prepare_generic_database(const Scene& scene) {
+  auto file = cached("generic-" + cache_key(to_json(scene.bake)) + ".hrir");
+  if (std::filesystem::exists(file)) {
+    try {
+      const RecordBank whole(file);
+      return file;
+    } catch (const InputError& damaged) {
+      spdlog::warn("{}; it is baked again", damaged.what());
+    }
+  }
+  bake(scene.bake, nullptr, file);
+  return file;
 }
 
 }  // namespace pelage::app

@@ -32,5 +32,8 @@ struct Subject {
 Mesh prepare_head(const Scene& scene);
 /// @param bake  out: the settings that the records were baked with
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake);
+/// A database of random sectors, baked with the scene's settings and kept like the adapted ones. @return its file
+/// @throws OutputError where the cache cannot be written
+std::filesystem::path prepare_generic_database(const Scene& scene);
 
 }  // namespace pelage::app

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pelage/app/advance_hair.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
@@ -42,8 +43,6 @@ constexpr double kStillSeconds = 2;
 constexpr double kMiB = 1048576.0;
 /// State and grid of 100,000 strands on a head take less.
 constexpr double kMuch_MiB = 256;
-/// Between poses of the head, which moves evenly from one to the next.
-constexpr double kLongestPiece_s = 1.0 / 60;
 
 std::string numbered(const std::filesystem::path& folder, int frame, const char* extension) {
   return (folder / fmt::format("frame_{:04d}{}", frame, extension)).string();
@@ -146,18 +145,11 @@ class Sequence {
 
   RigidPose pose(double time_s) const { return head_pose(scene_.simulation.motion, hair_->pivot(), time_s); }
 
-  /// In pieces short enough for the head's path to be that of any frame rate, and for no time to be dropped.
   void advance(double from_s, double to_s) {
-    const LifeSettings& life = scene_.simulation.life;
-    const double longest_s = std::min(kLongestPiece_s, std::max(life.catch_up_s, life.step_s));
-    const int pieces = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / longest_s - 1e-6)));
-    const double piece_s = (to_s - from_s) / pieces;
-    for (int i = 1; i <= pieces; ++i) {
-      console::throw_if_interrupted();
-      hair_->advance(piece_s, pose(i == pieces ? to_s : from_s + i * piece_s));
+    advance_hair(*hair_, scene_.simulation, from_s, to_s, [&] {
       fastest_m_s_ = std::max(fastest_m_s_, hair_->simulation().facts().fastest_m_s);
       fastest_root_m_s_ = std::max(fastest_root_m_s_, hair_->simulation().facts().fastest_root_m_s);
-    }
+    });
   }
 
   /// So that gusts and moving colliders come to time 0 with the first frame.

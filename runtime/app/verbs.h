@@ -14,5 +14,6 @@ void add_view(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_shadow_error(CLI::App& app);
 void add_figure(CLI::App& app);
+void add_compare(CLI::App& app);
 
 }  // namespace pelage::app
