@@ -30,7 +30,14 @@ class FrameDrawing : public Drawing {
       : Drawing(std::move(name)), frame_(std::forward<Parts>(parts)...) {}
 
   Mesh head() const override { return frame_.head(); }
-  Image render(const Scene& scene, const Camera& camera) override {
+  const Bounds& bounds() const override { return frame_.bounds(); }
+  const StageLedger& ledger() const override { return frame_.ledger(); }
+
+ protected:
+  Frame frame_;
+
+ private:
+  Image draw(const Scene& scene, const Camera& camera) override {
     const ImageSettings& p = scene.image;
     std::optional<console::Progress> progress;  // of pictures of several tiles
     return frame_.render(settings_of(frame_, scene, camera), p.width, p.height, p.supersampling, kTileSamples,
@@ -42,15 +49,10 @@ class FrameDrawing : public Drawing {
                            progress->update(static_cast<std::uint64_t>(done));
                          });
   }
-  void show(const Scene& scene, const Camera& camera, int width, int height) override {
+  void draw_in_window(const Scene& scene, const Camera& camera, int width, int height) override {
     frame_.show(settings_of(frame_, scene, camera), width, height, scene.image.exposure,
                 scene.image.background.value_or(kWindowBackground));
   }
-  const Bounds& bounds() const override { return frame_.bounds(); }
-  const StageLedger& ledger() const override { return frame_.ledger(); }
-
- protected:
-  Frame frame_;
 };
 
 class StrandDrawing final : public FrameDrawing<StrandFrame> {
@@ -58,6 +60,7 @@ class StrandDrawing final : public FrameDrawing<StrandFrame> {
   StrandDrawing(StrandHair hair, Mesh head)
       : FrameDrawing(std::move(hair.name), std::move(hair.strands), hair.opacity, std::move(head)) {}
   Strands lines() const override { return frame_.strands(); }
+  HairFacts facts() const override { return {&frame_.strands(), nullptr, &frame_.head(), frame_.opacity()}; }
   void move(const Strands& lines, const glm::dquat&, Mesh head) override {
     frame_.set_geometry(lines, std::move(head));
   }
@@ -75,6 +78,7 @@ class SatfDrawing final : public FrameDrawing<SatfFrame> {
     frame_.move_hair(clusters_->style().clusters);
     frame_.move_head(std::move(head));
   }
+  HairFacts facts() const override { return {nullptr, &frame_.style(), &frame_.head(), frame_.style().opacity}; }
   std::uint64_t searches() const override { return frame_.source().searches(); }
 
  private:
@@ -111,7 +115,12 @@ class TruthDrawing final : public Drawing {
     for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
     for (const glm::vec3& p : head_.vertices) bounds_.add(p);
   }
-  Image render(const Scene& scene, const Camera& camera) override {
+  HairFacts facts() const override { return {&strands_, nullptr, &head_, opacity_}; }
+  const Bounds& bounds() const override { return bounds_; }
+  const StageLedger& ledger() const override { return ledger_; }
+
+ private:
+  Image draw(const Scene& scene, const Camera& camera) override {
     TruthRequest request;
     request.camera = camera;
     request.width = scene.image.width;
@@ -133,11 +142,10 @@ class TruthDrawing final : public Drawing {
     });
     return image;
   }
-  void show(const Scene&, const Camera&, int, int) override { throw UsageError("the truth has no frames to show"); }
-  const Bounds& bounds() const override { return bounds_; }
-  const StageLedger& ledger() const override { return ledger_; }
+  void draw_in_window(const Scene&, const Camera&, int, int) override {
+    throw UsageError("the truth has no frames to show");
+  }
 
- private:
   Strands strands_;
   Mesh head_;
   float opacity_;
@@ -148,6 +156,13 @@ class TruthDrawing final : public Drawing {
 };
 
 }  // namespace
+
+const Scene& Drawing::planned(const Scene& scene, const Camera& camera) {
+  Scene seen = scene;
+  seen.camera = camera;
+  plan_ = plan_effects(seen, facts(), Task::picture);
+  return plan_.scene;
+}
 
 bool needs_opengl(Method method) noexcept {
   return method != Method::truth;

@@ -10,6 +10,7 @@
 #include "pelage/data_schema/scene.h"
 #include "pelage/data_schema/stages.h"
 #include "pelage/data_schema/strands.h"
+#include "pelage/effects/plan.h"
 #include "pelage/image/image.h"
 #include "pelage/render/camera.h"
 
@@ -18,10 +19,15 @@ namespace pelage::app {
 class Drawing {
  public:
   virtual ~Drawing() = default;
-  /// The scene's picture as seen by `camera`: linear, premultiplied, over transparent black.
-  virtual Image render(const Scene& scene, const Camera& camera) = 0;
+  /// The scene's picture as seen by `camera`, with the effects that it calls for: linear, premultiplied, over
+  /// transparent black.
+  Image render(const Scene& scene, const Camera& camera) { return draw(planned(scene, camera), camera); }
   /// On the window's framebuffer of this size. @throws UsageError where the method has no frames to show
-  virtual void show(const Scene& scene, const Camera& camera, int width, int height) = 0;
+  void show(const Scene& scene, const Camera& camera, int width, int height) {
+    draw_in_window(planned(scene, camera), camera, width, height);
+  }
+  /// What was run of the last picture, and why.
+  const EffectPlan& plan() const noexcept { return plan_; }
   /// What a simulation moves: the strands, or the control polygons of the clusters' centre lines.
   virtual Strands lines() const = 0;  ///< empty where nothing is to move
   virtual Mesh head() const = 0;
@@ -29,6 +35,7 @@ class Drawing {
   /// @param turn  rotation of the head since rest
   virtual void move(const Strands& lines, const glm::dquat& turn, Mesh head) = 0;
   virtual const Bounds& bounds() const = 0;
+  virtual HairFacts facts() const = 0;
   virtual const StageLedger& ledger() const = 0;
   /// Of the truth: pictures of different seeds have independent noise. Others have none.
   virtual void set_seed(std::uint64_t) {}
@@ -40,6 +47,11 @@ class Drawing {
   explicit Drawing(std::string name) : name_(std::move(name)) {}
 
  private:
+  virtual Image draw(const Scene& scene, const Camera& camera) = 0;
+  virtual void draw_in_window(const Scene& scene, const Camera& camera, int width, int height) = 0;
+  const Scene& planned(const Scene& scene, const Camera& camera);
+
+  EffectPlan plan_;
   std::string name_;
 };
 

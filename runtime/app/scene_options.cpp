@@ -8,10 +8,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "pelage/app/choose.h"
 #include "pelage/console/options.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/validate.h"
+#include "pelage/effects/effect.h"
 #include "pelage/render/renderer.h"
 
 namespace pelage::app {
@@ -106,18 +109,26 @@ glm::vec3 srgb_colour(const std::string& text) {
   return {linear(rgb >> 16), linear(rgb >> 8), linear(rgb)};
 }
 
-void switch_off(Scene& scene, const std::string& name) {
-  SatfSettings& satf = scene.satf;
-  StrandSettings& strands = scene.strands;
-  const std::map<std::string, std::vector<bool*>> switches{
-      {"diffuse", {&satf.diffuse, &strands.diffuse}},
-      {"primary", {&satf.primary_highlight, &strands.primary_highlight}},
-      {"secondary", {&satf.secondary_highlight, &strands.secondary_highlight}},
-      {"global-shadow", {&satf.global_shadow}},
-      {"fade-ends", {&satf.fade_ends}},
-      {"drift", {&satf.drift}},
-      {"curvature", {&satf.curvature}}};
-  for (bool* const value : choose(switches, name, "--off")) *value = false;
+/// What --on, --off, --auto name. "all" is every one; a name beside it wins. @throws UsageError naming the nearest
+void set_effects(const SceneOptions& o, Scene& scene) {
+  const std::vector<std::string> known = effect_names(scene);
+  const std::tuple<const char*, EffectState, const std::vector<std::string>&> options[] = {
+      {"--auto", EffectState::automatic, o.effects_auto},
+      {"--on", EffectState::on, o.effects_on},
+      {"--off", EffectState::off, o.effects_off}};
+  for (const auto& [option, state, names] : options) {
+    if (std::find(names.begin(), names.end(), "all") == names.end()) continue;
+    for (const std::string& each : known) scene.effects[each] = state;
+  }
+  for (const auto& [option, state, names] : options) {
+    for (const std::string& name : names) {
+      if (name == "all") continue;
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw UsageError(std::string(option) + ": there is no effect '" + name + "'; the nearest is '" +
+                         nearest_word(name, known) + "'");
+      scene.effects[name] = state;
+    }
+  }
 }
 
 /// What only strand by strand methods have.
@@ -251,8 +262,11 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--samples", o->samples, "Rays per pixel of the truth")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
-  verb.add_option("--off", o->off,
-                  "Effects to leave out: diffuse, primary, secondary, global-shadow, fade-ends, drift, curvature")
+  verb.add_option("--off", o->effects_off, "Effects to leave out, as if their settings were zero; all: every one")
+      ->delimiter(',');
+  verb.add_option("--on", o->effects_on, "Effects to run even where the scene does not call for them; all: every one")
+      ->delimiter(',');
+  verb.add_option("--auto", o->effects_auto, "Effects to run where the scene calls for them, as is the rule")
       ->delimiter(',');
   return o;
 }
@@ -317,7 +331,7 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   }
   set_strand_options(verb, o, scene);
   if (given("--order")) set_order(o.order, scene);
-  for (const std::string& name : o.off) switch_off(scene, name);
+  set_effects(o, scene);
   check_hairstyle_options(verb, scene);
   for (Light& light : scene.lights) lengthen(light);
   if (scene.lights.size() > kMaxLights) {

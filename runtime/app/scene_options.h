@@ -16,7 +16,7 @@ struct SceneOptions {
   std::string head, database, unit, up, material, camera, background, size, records, self_shadow, order;
   std::string curve, method, density_map, shape, lobes, shadow_at;
   std::vector<std::string> lights, point_lights;
-  std::vector<std::string> off;
+  std::vector<std::string> effects_on, effects_off, effects_auto;
   float exposure = 1.0F, diameter_um = 0, opacity = 0;
   int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
   int shadow_resolution = 128, smoothing = 1, samples = 16;

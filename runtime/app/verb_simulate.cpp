@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "pelage/app/advance_hair.h"
+#include "pelage/app/clip.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
@@ -24,8 +24,6 @@
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/hair_file.h"
 #include "pelage/render/gl_context.h"
-#include "pelage/simulate/head_motion.h"
-#include "pelage/simulate/moving_hair.h"
 
 namespace pelage::app {
 namespace {
@@ -38,8 +36,6 @@ struct SimulateOptions {
   bool stats = false;
 };
 
-/// Longest that a motion without an end of its own is shown [s].
-constexpr double kStillSeconds = 2;
 constexpr double kMiB = 1048576.0;
 /// State and grid of 100,000 strands on a head take less.
 constexpr double kMuch_MiB = 256;
@@ -91,36 +87,36 @@ struct FrameReport {
 class Sequence {
  public:
   Sequence(const SimulateOptions& options, const Scene& scene) : options_(options), scene_(scene) {
-    const SimulationSettings& s = scene.simulation;
     const Subject subject = prepare();
     name_ = subject.hair.name;
     strands_ = subject.hair.strands.count();
-    hair_.emplace(subject.hair.strands, subject.head, s);
-    const double length = options.seconds > 0 ? options.seconds : motion_length_s(s.motion);
-    frames_ = std::max(1, static_cast<int>(std::lround((length > 0 ? length : kStillSeconds) * options.fps)));
+    const HairFacts facts{&subject.hair.strands, nullptr, &subject.head, subject.hair.opacity};
+    plan_ = plan_effects(scene, facts, Task::motion);
+    const SimulationSettings& s = plan_.scene.simulation;
+    clip_.emplace(subject.hair.strands, subject.head, s, options.fps, options.seconds);
     const ImageSettings& p = scene.image;
     const Bounds way =
-        motion_bounds(subject.hair.strands, subject.head, s.motion, hair_->pivot(), frames_ / options.fps);
+        motion_bounds(subject.hair.strands, subject.head, s.motion, hair().pivot(), frames() / options.fps);
     camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
     describe();
-    warn_of_older(options.out, frames_, ".png");
-    warn_of_older(options.hair_out, frames_, ".hair");
+    warn_of_older(options.out, frames(), ".png");
+    warn_of_older(options.hair_out, frames(), ".hair");
   }
 
   void run() {
-    hair_->begin(pose(0), scene_.simulation.life.settle_s, console::throw_if_interrupted);
-    console::Progress progress("simulating " + name_, static_cast<std::uint64_t>(frames_), "frames");
-    for (int k = 0; k < frames_; ++k) {
+    clip_->begin();
+    console::Progress progress("simulating " + name_, static_cast<std::uint64_t>(frames()), "frames");
+    for (int k = 0; k < frames(); ++k) {
       console::throw_if_interrupted();
       frame(k);
       progress.update(static_cast<std::uint64_t>(k) + 1);
     }
   }
 
-  int frames() const { return frames_; }
+  int frames() const { return clip_->frames(); }
   const Totals& totals() const { return totals_; }
   const std::vector<FrameReport>& reports() const { return reports_; }
-  const Simulation& simulation() const { return hair_->simulation(); }
+  const Simulation& simulation() const { return hair().simulation(); }
 
  private:
   /// What is to move; with pictures, as the method draws it.
@@ -131,11 +127,11 @@ class Sequence {
   }
 
   void describe() const {
-    const Simulation& sim = hair_->simulation();
+    const Simulation& sim = simulation();
     spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", name_,
                  scene_.simulation.name, sim.blocks().strands, strands_,
                  sim.blocks().first.back() * static_cast<std::uint32_t>(kLanes),
-                 static_cast<double>(sim.facts().bytes) / kMiB, frames_);
+                 static_cast<double>(sim.facts().bytes) / kMiB, frames());
     if (static_cast<double>(sim.facts().bytes) > kMuch_MiB * kMiB)
       spdlog::warn(
           "{}: voxels of {:.3g} m are small for hair of this size, most of the memory and time is theirs: a "
@@ -143,37 +139,31 @@ class Sequence {
           name_, scene_.simulation.interaction.cell_m);
   }
 
-  RigidPose pose(double time_s) const { return head_pose(scene_.simulation.motion, hair_->pivot(), time_s); }
+  MovingHair& hair() { return clip_->hair(); }
+  const MovingHair& hair() const { return clip_->hair(); }
 
-  void advance(double from_s, double to_s) {
-    advance_hair(*hair_, scene_.simulation, from_s, to_s, [&] {
-      fastest_m_s_ = std::max(fastest_m_s_, hair_->simulation().facts().fastest_m_s);
-      fastest_root_m_s_ = std::max(fastest_root_m_s_, hair_->simulation().facts().fastest_root_m_s);
-    });
-  }
-
-  /// So that gusts and moving colliders come to time 0 with the first frame.
   void frame(int k) {
-    const SimulationFacts before = hair_->simulation().facts();
-    fastest_m_s_ = fastest_root_m_s_ = 0;
-    if (k > 0) advance((k - 1) / options_.fps, k / options_.fps);
-    const SimulationFacts& now = hair_->simulation().facts();
+    const SimulationFacts before = simulation().facts();
+    clip_->advance(k);
+    const SimulationFacts& now = simulation().facts();
     totals_.add("chains", now.chain_ms - before.chain_ms);
     totals_.add("grid", now.grid_ms - before.grid_ms);
-    const Strands& strands = hair_->hair();
-    totals_.add("strands", hair_->hair_ms());
-    reports_.push_back({k, hair_->simulation().state_hash(), fastest_m_s_, fastest_root_m_s_, now.asleep});
+    const bool moved = hair().moved();
+    const Strands& strands = hair().hair();
+    totals_.add("strands", hair().hair_ms());
+    reports_.push_back({k, simulation().state_hash(), clip_->fastest_m_s(), clip_->fastest_root_m_s(), now.asleep});
     if (!options_.hair_out.empty()) hair::write_strands(strands, numbered(options_.hair_out, k, ".hair"));
-    if (!options_.out.empty()) draw(k, strands);
+    if (options_.out.empty()) return;
+    if (moved) drawing_->move(strands, hair().pose().rotation, hair().head());
+    draw(k);
   }
 
-  void draw(int k, const Strands& strands) {
+  void draw(int k) {
     const auto begin = std::chrono::steady_clock::now();
-    drawing_->move(strands, hair_->pose().rotation, hair_->head());
     Image image = drawing_->render(scene_, camera_);
     for (const Stage& s : drawing_->ledger().stages()) totals_.add(s.name, s.milliseconds);
     write_picture(std::move(image), scene_, numbered(options_.out, k, ".png"));
-    totals_.add("(move, draw, write)",
+    totals_.add("(draw, write)",
                 std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   }
 
@@ -182,10 +172,9 @@ class Sequence {
   std::unique_ptr<Drawing> drawing_;  // none without pictures
   std::string name_;
   std::size_t strands_ = 0;
-  std::optional<MovingHair> hair_;
+  EffectPlan plan_;
+  std::optional<Clip> clip_;
   Camera camera_;
-  int frames_ = 0;
-  float fastest_m_s_ = 0, fastest_root_m_s_ = 0;  // of this frame
   Totals totals_;
   std::vector<FrameReport> reports_;
 };

@@ -128,7 +128,7 @@ class Motion {
     if (!running_) return;
     time_s_ += passed_s;
     hair_.advance(passed_s, head_pose(settings_.motion, hair_.pivot(), time_s_));
-    drawing.move(hair_.hair(), hair_.pose().rotation, hair_.head());
+    if (hair_.moved()) drawing.move(hair_.hair(), hair_.pose().rotation, hair_.head());
   }
   void toggle() { running_ = !running_; }
 
@@ -160,7 +160,12 @@ void view(const CLI::App& verb, const ViewOptions& options) {
   Window window(scene.image.width, scene.image.height, "pelage: preparing " + scene.hair);
   const std::unique_ptr<Drawing> drawing = make_drawing(scene, is_moving(verb));
   std::optional<Motion> motion;
-  if (is_moving(verb)) motion.emplace(*drawing, scene.simulation);
+  if (is_moving(verb)) {
+    const Strands lines = drawing->lines();
+    const Mesh head = drawing->head();
+    const HairFacts hair{&lines, nullptr, &head, drawing->facts().opacity};
+    motion.emplace(*drawing, plan_effects(scene, hair, Task::motion).scene.simulation);
+  }
   const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
   Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
   const Camera home = camera;

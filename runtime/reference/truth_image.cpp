@@ -54,7 +54,7 @@ class PixelTracer {
         camera_(request.camera, request.width, request.height),
         materials_(request.material, strands),
         azimuth_(request.phong),
-        ambient_(request.lobes.diffuse ? static_cast<double>(request.material.ambient) : 0.0),
+        ambient_(static_cast<double>(request.material.ambient)),
         opacity_(1 - scene.transmittance(1)),
         enough_(scene.enough(request.settings.stop_below)) {
     for (const Light& light : request.lights) check_light(light);

@@ -36,7 +36,7 @@ struct TruthRequest {
   int width = 1280, height = 720;
   std::span<const Light> lights;
   HairMaterial material;
-  LobeSwitches lobes;  // without diffuse there is no ambient term either, as in the renderer
+  LobeSwitches lobes;
   PlanarPhong phong;   // of the azimuth term
   TruthSettings settings;
   HeadShadow head_shadow = HeadShadow::none;

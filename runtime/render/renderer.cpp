@@ -110,7 +110,7 @@ void Renderer::draw_hair(const DrawRequest& request, bool lists) {
   set_lights(p, request.lights);
   const SatfSettings& on = request.settings;
   set_material(p, request.material, {on.diffuse, on.primary_highlight, on.secondary_highlight});
-  glUniform1f(p.at("ambient"), on.diffuse ? request.material.ambient : 0.0F);
+  glUniform1f(p.at("ambient"), request.material.ambient);
   glUniform3fv(p.at("eye"), 1, glm::value_ptr(request.eye));
   glUniform1ui(p.at("texels_per_light"), static_cast<GLuint>(gl_->texels_per_light));
   glUniform1i(p.at("rows"), gl_->rows);

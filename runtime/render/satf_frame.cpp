@@ -119,6 +119,10 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
       for (std::size_t v = 0; v < on_head.size(); ++v)
         on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);
     }
+    if (!map && frame.satf.self_shadow != SelfShadow::light) {
+      shadows_[i].clear();
+      continue;
+    }
     auto stage = ledger_.run("s-maps");
     shadows_[i].resize(model_.texels());
     const ShadowRequest request{parallel_direction(frame.lights[i]), frame.satf.self_shadow == SelfShadow::light,

@@ -1,7 +1,7 @@
 // SatfFrame: a hairstyle rendered with the SATF, frame after frame. Runs only the stages whose inputs changed:
 //   sectors, index             what is in the clusters (once)
 //   surfaces                   where they are
-//   shadow map, s-maps         where they are, or light
+//   shadow map, s-maps         where they are, or light; neither where no shadow is asked for
 //   maps, upload               where they are, view or light
 //   order                      where they are, or view
 //   head, draw, read           every frame
@@ -54,6 +54,7 @@ class SatfFrame {
   const StageLedger& ledger() const noexcept { return ledger_; }
   const RecordSource& source() const noexcept { return *source_; }
   const SatfModel& model() const noexcept { return model_; }
+  const Hairstyle& style() const noexcept { return style_; }
   const Mesh& head() const noexcept { return head_; }
 
  private:

@@ -67,6 +67,7 @@ class StrandFrame {
   const Bounds& bounds() const noexcept { return bounds_; }
   const StageLedger& ledger() const noexcept { return ledger_; }
   const Strands& strands() const noexcept { return strands_; }
+  float opacity() const noexcept { return opacity_; }
   const Mesh& head() const noexcept { return head_; }
 
  private:

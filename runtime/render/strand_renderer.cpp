@@ -100,7 +100,7 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
   glUniform1f(p.at("opacity"), request.opacity);
   glUniform1i(p.at("ribbons"), on.shape == StrandShape::ribbons ? 1 : 0);
   glUniform1i(p.at("own_colours"), gl_->own_colours ? 1 : 0);
-  glUniform1f(p.at("ambient"), on.diffuse ? request.material.ambient : 0.0F);
+  glUniform1f(p.at("ambient"), request.material.ambient);
   set_lights(p, request.lights);
   set_material(p, request.material, {on.diffuse, on.primary_highlight, on.secondary_highlight});
   if (on.order == StrandOrder::exact) gl_->lists.bind(p);

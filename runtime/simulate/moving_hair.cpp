@@ -24,11 +24,13 @@ MovingHair::MovingHair(const Strands& hair, const Mesh& head, const SimulationSe
 
 void MovingHair::advance(double frame_s, const RigidPose& head) {
   simulation_->advance(frame_s, head);
+  moved_ = moved_ || simulation_->facts().moved;
   pose_ = head;
 }
 
 void MovingHair::teleport(const RigidPose& head) {
   simulation_->teleport(head);
+  moved_ = true;
   pose_ = head;
 }
 
@@ -45,9 +47,13 @@ void MovingHair::begin(const RigidPose& head, double settle_s, const std::functi
 
 void MovingHair::reset() {
   simulation_->reset();
+  moved_ = true;
 }
 
 const Strands& MovingHair::hair() {
+  hair_ms_ = 0;
+  if (!moved_) return curls_ ? curled_ : hair_;
+  moved_ = false;
   const auto begin = std::chrono::steady_clock::now();
   simulation_->positions(wisps_ ? guides_ : lines_);
   if (wisps_) wisps_->interpolate(guides_, turn(), lines_);

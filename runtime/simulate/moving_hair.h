@@ -29,7 +29,9 @@ class MovingHair {
   /// moves.  @param told  now and then; may throw to interrupt
   void begin(const RigidPose& head, double settle_s, const std::function<void()>& told = {});
 
-  /// The hair as it is drawn now; diameters and colours are the groom's.
+  /// Has anything changed since hair() was called last? Where all sleeps and the head rests, nothing has.
+  bool moved() const noexcept { return moved_; }
+  /// The hair as it is drawn now; diameters and colours are the groom's. Made anew only if it moved.
   const Strands& hair();
   /// Centre lines of all strands now.
   const Strands& lines() noexcept { return lines_; }
@@ -53,6 +55,7 @@ class MovingHair {
   std::optional<Simulation> simulation_;
   RigidPose pose_;
   double hair_ms_ = 0;
+  bool moved_ = true;
 };
 
 }  // namespace pelage

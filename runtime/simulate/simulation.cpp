@@ -122,8 +122,9 @@ struct Simulation::State {
         awake(blocks.count(), 1),
         still_s(blocks.count()) {
     prepare_step();
-    if (!grid.idle()) grid.set_rest_density(blocks);
+    if (grid.needs_grid()) grid.set_rest_density(blocks);
     facts.bytes = bytes();
+    facts.grid_bytes = grid.bytes();
   }
 
   void prepare_step() {
@@ -212,6 +213,7 @@ void Simulation::State::step_chain() {
     }
   });
   facts.chain_ms += milliseconds_since(begin);
+  ++facts.chain_steps;
 }
 
 void Simulation::State::step_grid() {
@@ -222,8 +224,12 @@ void Simulation::State::step_grid() {
   g.time_s = time_s;
   g.pivot = pose.position;
   g.awake = awake;
-  grid.build(blocks, g);
+  if (grid.needs_grid()) {
+    grid.build(blocks, g);
+    ++facts.grid_builds;
+  }
   grid.apply(blocks, g);
+  ++facts.grid_applies;
   if (may_sleep()) grid.wake(blocks, g, awake, kWake * settings.life.sleep_m_s);
   facts.grid_ms += milliseconds_since(begin);
 }
@@ -261,6 +267,7 @@ void Simulation::State::advance_step(const RigidPose& next) {
   if (move_head(next)) wake_all();
   if (colliders_move()) wake_touched();
   if (std::find(awake.begin(), awake.end(), std::uint8_t{1}) == awake.end()) return;
+  facts.moved = true;
   step_chain();
   note_speeds();
   step_grid();
@@ -355,7 +362,9 @@ void Simulation::advance(double frame_s, const RigidPose& head) {
   s.facts.dropped_s += s.left_s + frame_s - left;
   s.facts.fastest_m_s = s.facts.fastest_root_m_s = 0;
   ++s.facts.frames;
-  s.shown = {head.position, glm::normalize(head.rotation)};
+  const RigidPose shown{head.position, glm::normalize(head.rotation)};
+  s.facts.moved = shown.position != s.shown.position || shown.rotation != s.shown.rotation;
+  s.shown = shown;
   const auto steps = static_cast<int>(left / h + kRound);
   for (int k = 0; k < steps; ++k) s.advance_step(between(s.pose, s.shown, h / (left - k * h) + kRound));
   s.left_s = std::max(left - steps * h, 0.0);
@@ -363,6 +372,7 @@ void Simulation::advance(double frame_s, const RigidPose& head) {
   for (std::size_t k = 0; k < s.blocks.strand_of.size(); ++k)
     if (s.blocks.strand_of[k] != StrandBlocks::kNoStrand && s.awake[k / kLanes] == 0) ++s.facts.asleep;
   s.facts.bytes = s.bytes();
+  s.facts.grid_bytes = s.grid.bytes();
   s.show();
   s.look_for_explosions();
 }

@@ -37,12 +37,15 @@ class SimulationError : public std::runtime_error {
 /// What happened so far.
 struct SimulationFacts {
   std::uint64_t frames = 0, steps = 0;
-  double dropped_s = 0;              // time of frames longer than catch_up_s
-  float fastest_m_s = 0;             // vertex of the last frame, kinematic, before caps
-  float fastest_root_m_s = 0;        // of the last frame
-  std::size_t asleep = 0;            // strands
-  std::size_t bytes = 0;             // of state and grid
-  double chain_ms = 0, grid_ms = 0;  // of all steps so far
+  std::uint64_t chain_steps = 0, grid_builds = 0, grid_applies = 0;  // that were not asleep or idle
+  bool moved = true;                                                 // whether the last frame changed a position
+  double dropped_s = 0;                                              // time of frames longer than catch_up_s
+  float fastest_m_s = 0;                                             // vertex of the last frame, kinematic, before caps
+  float fastest_root_m_s = 0;                                        // of the last frame
+  std::size_t asleep = 0;                                            // strands
+  std::size_t bytes = 0;                                             // of state and grid
+  std::size_t grid_bytes = 0;                                        // of these, the grid's; 0 where nothing needs one
+  double chain_ms = 0, grid_ms = 0;                                  // of all steps so far
 };
 
 class Simulation {

@@ -43,12 +43,15 @@ class VoxelGrid {
   /// Neither friction, repulsion nor wind: build() and apply() return at once.
   bool idle() const noexcept { return !interacts() && wind_.still(); }
 
+  /// Wind that nothing shelters from needs none.
+  bool needs_grid() const noexcept { return interacts() || (!wind_.still() && shelter_ > 0); }
+
   /// Eqs. 3.2, 3.3 of all blocks; every vertex carries the length of its segments.
   /// @throws InputError when more than 1 % of the vertices (and 16) are strays or not finite
   void build(const StrandBlocks& blocks, const GridStep& step);
 
   /// Friction, repulsion and wind on the kinematic velocities of vertices 1.. of the blocks that are awake, which are
-  /// where they were when build() saw them. Wind that nothing shelters from needs no grid: build() does nothing then.
+  /// where they were when build() saw them. Without needs_grid(), build() does nothing.
   void apply(StrandBlocks& blocks, const GridStep& step) const;
 
   /// After build(): sets stirred[block] = 1 for the blocks asleep (step.awake) that have a vertex at a row of nodes
@@ -65,7 +68,6 @@ class VoxelGrid {
 
  private:
   bool interacts() const noexcept { return interaction_.friction_per_s > 0 || interaction_.repulsion_m_s2 > 0; }
-  bool needs_grid() const noexcept { return interacts() || (!wind_.still() && shelter_ > 0); }
   void deposit(const StrandBlocks& blocks);
   bool place_box(const StrandBlocks& blocks);
   void check_strays() const;
