@@ -30,6 +30,7 @@ class FrameDrawing : public Drawing {
       : Drawing(std::move(name)), frame_(std::forward<Parts>(parts)...) {}
 
   Mesh head() const override { return frame_.head(); }
+  void refresh() override { frame_.refresh(); }
   const Bounds& bounds() const override { return frame_.bounds(); }
   const StageLedger& ledger() const override { return frame_.ledger(); }
 

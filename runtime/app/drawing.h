@@ -34,6 +34,8 @@ class Drawing {
   /// The same hair with its lines, laid out as they were, and its head moved.
   /// @param turn  rotation of the head since rest
   virtual void move(const Strands& lines, const glm::dquat& turn, Mesh head) = 0;
+  /// The next picture is made as if the hair had moved: what does not depend on that is kept. For measurements.
+  virtual void refresh() {}
   virtual const Bounds& bounds() const = 0;
   virtual HairFacts facts() const = 0;
   virtual const StageLedger& ledger() const = 0;

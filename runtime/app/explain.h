@@ -1,7 +1,9 @@
 // What a frame does, why, what it costs and what would be lost without it [DESIGN section 8]: the ledger of --explain.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,15 +27,30 @@ struct LedgerLine {
   std::uint64_t bytes = 0, calls = 0;
   // Against the same with this one switched over: left out where it runs, run where it does not. None for passes, and
   // where there is nothing to run.
-  std::optional<double> saves_ms;  // time of the frame with it, less the time without
+  std::optional<double> saves_ms;  // time of the frame with it, less the time without: least of two each
+  double spread_ms = 0;            // between the two: what a saving below it says nothing about
   std::optional<double> rmse;      // between the pictures, linear RGB, all pixels
   std::optional<double> moves_mm;  // RMS between the places of the lines' vertices at the end; motion only
 };
 
-/// Draws the picture once as it is and once for each effect. @throws Interrupted
+/// Root mean square of the difference of linear RGB of two pictures of one size.
+double rms_difference(const Image& a, const Image& b) noexcept;
+/// What the plan says of an effect, without costs.
+LedgerLine line_of(const PlannedEffect& planned);
+/// Adds what stages took that are the effect's alone.
+void charge(LedgerLine& line, const Effect& effect, const std::vector<Stage>& stages);
+/// The scene with an effect left out that runs, or run that does not.
+Scene switched_over(const Scene& scene, const PlannedEffect& planned);
+
+/// Does the same run in both plans of one scene?
+bool same_work(const EffectPlan& a, const EffectPlan& b);
+void set_savings(LedgerLine& line, const std::array<double, 2>& as_is_ms, const std::array<double, 2>& other_ms);
+
+/// Draws the picture four times for each effect. @throws Interrupted
 std::vector<LedgerLine> explain_picture(Drawing& drawing, const Scene& scene, const Camera& camera);
 
-/// As a table on stdout, reasons at the end of the lines; or JSON, under "effects".
+nlohmann::ordered_json json_of(const std::vector<LedgerLine>& ledger);
+/// As a table on stdout, reasons at the end of the lines.
 void print_ledger(const std::vector<LedgerLine>& ledger);
 
 }  // namespace pelage::app

@@ -54,10 +54,13 @@ SimulationSettings resolve_simulation(const CLI::App& verb, const SimulationOpti
 }
 
 void check_curls(const Scene& scene) {
+  const auto curls = scene.effects.find("curls");
+  if (curls != scene.effects.end() && curls->second == EffectState::off) return;
   if (scene.method == Method::satf && scene.simulation.shape.curl.radius_m > 0)
-    throw UsageError("preset " + scene.simulation.name +
-                     " curls strands, and method satf has none: give --method density-map, or another preset, e.g. " +
-                     "hold-shape");
+    throw UsageError(
+        "preset " + scene.simulation.name +
+        " curls strands, and method satf has none: give --method density-map, --off curls, or another preset, " +
+        "e.g. hold-shape");
 }
 
 std::shared_ptr<SimulationOptions> add_simulation_options(CLI::App& app) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/explain.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
@@ -21,19 +22,18 @@ namespace {
 struct RenderOptions {
   std::shared_ptr<SceneOptions> scene;
   std::string out;
-  bool stats = false;
+  bool stats = false, explain = false;
 };
 
+nlohmann::ordered_json stats_of(const Drawing& drawing) {
+  nlohmann::ordered_json json;
+  for (const Stage& s : drawing.ledger().stages())
+    json["stages"].push_back({{"name", s.name}, {"ms", s.milliseconds}, {"bytes", s.bytes}, {"calls", s.calls}});
+  json["searches"] = drawing.searches();
+  return json;
+}
+
 void print_stats(const Drawing& drawing) {
-  if (console::common().json) {
-    nlohmann::ordered_json json;
-    for (const Stage& s : drawing.ledger().stages()) {
-      json["stages"].push_back({{"name", s.name}, {"ms", s.milliseconds}, {"bytes", s.bytes}, {"calls", s.calls}});
-    }
-    json["searches"] = drawing.searches();
-    console::print_json(json);
-    return;
-  }
   std::printf("%-12s %10s %12s %7s\n", "stage", "ms", "KiB", "calls");
   for (const Stage& s : drawing.ledger().stages()) {
     std::printf("%-12s %10.2f %12.1f %7llu\n", s.name.c_str(), s.milliseconds, static_cast<double>(s.bytes) / 1024.0,
@@ -55,11 +55,19 @@ void render(const CLI::App& verb, const RenderOptions& options) {
   const std::unique_ptr<Drawing> drawing = make_drawing(scene);
   const ImageSettings& picture = scene.image;
   const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
-  Image image = drawing->render(scene, scene.camera.value_or(framed_camera(drawing->bounds(), aspect)));
+  const Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
+  Image image = drawing->render(scene, camera);
   console::throw_if_interrupted();  // an earlier picture stays
   write_picture(std::move(image), scene, out);
+  if (console::common().json) {
+    nlohmann::ordered_json json = options.stats ? stats_of(*drawing) : nlohmann::ordered_json::object();
+    if (options.explain) json["effects"] = json_of(explain_picture(*drawing, scene, camera));
+    if (!json.empty()) console::print_json(json);
+    return;
+  }
   if (options.stats) print_stats(*drawing);
-  if (!console::common().json) std::printf("%s\n", out.c_str());
+  if (options.explain) print_ledger(explain_picture(*drawing, scene, camera));
+  std::printf("%s\n", out.c_str());
 }
 
 }  // namespace
@@ -72,6 +80,10 @@ void add_render(CLI::App& app) {
                    "Picture to write: .png (8-bit sRGB) or .exr (linear, with the configuration)")
       ->required();
   verb->add_flag("--stats", options->stats, "Print time, bytes and calls of each stage");
+  verb->add_flag(
+      "--explain", options->explain,
+      "Print the ledger: each effect, whether it runs and why, its cost, and how far the picture is from one "
+      "with it switched over (a picture more for each)");
   console::add_common_options(*verb);
   verb->callback([verb, options] { render(*verb, *options); });
 }

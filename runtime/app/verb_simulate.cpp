@@ -9,6 +9,7 @@
 
 #include "pelage/app/clip.h"
 #include "pelage/app/drawing.h"
+#include "pelage/app/explain_motion.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/prepare.h"
@@ -33,7 +34,7 @@ struct SimulateOptions {
   std::shared_ptr<SimulationOptions> simulation;
   std::filesystem::path out, hair_out, video;
   double fps = 30, seconds = 0;
-  bool stats = false;
+  bool stats = false, explain = false;
 };
 
 constexpr double kMiB = 1048576.0;
@@ -87,16 +88,13 @@ struct FrameReport {
 class Sequence {
  public:
   Sequence(const SimulateOptions& options, const Scene& scene) : options_(options), scene_(scene) {
-    const Subject subject = prepare();
-    name_ = subject.hair.name;
-    strands_ = subject.hair.strands.count();
-    const HairFacts facts{&subject.hair.strands, nullptr, &subject.head, subject.hair.opacity};
-    plan_ = plan_effects(scene, facts, Task::motion);
-    const SimulationSettings& s = plan_.scene.simulation;
-    clip_.emplace(subject.hair.strands, subject.head, s, options.fps, options.seconds);
+    prepare();
+    const Strands& strands = subject_.hair.strands;
+    const HairFacts facts{&strands, nullptr, &subject_.head, subject_.hair.opacity};
+    const SimulationSettings s = plan_effects(scene, facts, Task::motion).scene.simulation;
+    clip_.emplace(strands, subject_.head, s, options.fps, options.seconds);
     const ImageSettings& p = scene.image;
-    const Bounds way =
-        motion_bounds(subject.hair.strands, subject.head, s.motion, hair().pivot(), frames() / options.fps);
+    const Bounds way = motion_bounds(strands, subject_.head, s.motion, hair().pivot(), frames() / options.fps);
     camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
     describe();
     warn_of_older(options.out, frames(), ".png");
@@ -105,7 +103,7 @@ class Sequence {
 
   void run() {
     clip_->begin();
-    console::Progress progress("simulating " + name_, static_cast<std::uint64_t>(frames()), "frames");
+    console::Progress progress("simulating " + subject_.hair.name, static_cast<std::uint64_t>(frames()), "frames");
     for (int k = 0; k < frames(); ++k) {
       console::throw_if_interrupted();
       frame(k);
@@ -116,27 +114,33 @@ class Sequence {
   int frames() const { return clip_->frames(); }
   const Totals& totals() const { return totals_; }
   const std::vector<FrameReport>& reports() const { return reports_; }
+  std::vector<LedgerLine> explain() {
+    return explain_motion(subject_, scene_, options_.fps, options_.seconds, drawing_.get(), camera_);
+  }
   const Simulation& simulation() const { return hair().simulation(); }
 
  private:
   /// What is to move; with pictures, as the method draws it.
-  Subject prepare() {
-    if (options_.out.empty()) return {prepare_strands(scene_), prepare_head(scene_)};
+  void prepare() {
+    if (options_.out.empty()) {
+      subject_ = {prepare_strands(scene_), prepare_head(scene_)};
+      return;
+    }
     drawing_ = make_drawing(scene_, true);
-    return {{drawing_->name(), drawing_->lines()}, drawing_->head()};
+    subject_ = {{drawing_->name(), drawing_->lines(), drawing_->facts().opacity}, drawing_->head()};
   }
 
   void describe() const {
     const Simulation& sim = simulation();
-    spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", name_,
-                 scene_.simulation.name, sim.blocks().strands, strands_,
+    spdlog::info("{}: preset {}, {} of {} strands simulated, {} vertices, {:.1f} MiB; {} frames", subject_.hair.name,
+                 scene_.simulation.name, sim.blocks().strands, subject_.hair.strands.count(),
                  sim.blocks().first.back() * static_cast<std::uint32_t>(kLanes),
                  static_cast<double>(sim.facts().bytes) / kMiB, frames());
     if (static_cast<double>(sim.facts().bytes) > kMuch_MiB * kMiB)
       spdlog::warn(
           "{}: voxels of {:.3g} m are small for hair of this size, most of the memory and time is theirs: a "
           "larger simulation.interaction.cell_m in a scene file will do",
-          name_, scene_.simulation.interaction.cell_m);
+          subject_.hair.name, scene_.simulation.interaction.cell_m);
   }
 
   MovingHair& hair() { return clip_->hair(); }
@@ -170,16 +174,14 @@ class Sequence {
   const SimulateOptions& options_;
   const Scene& scene_;
   std::unique_ptr<Drawing> drawing_;  // none without pictures
-  std::string name_;
-  std::size_t strands_ = 0;
-  EffectPlan plan_;
+  Subject subject_;
   std::optional<Clip> clip_;
   Camera camera_;
   Totals totals_;
   std::vector<FrameReport> reports_;
 };
 
-void print_json(const Sequence& sequence) {
+void print_json(const Sequence& sequence, const std::vector<LedgerLine>& ledger) {
   nlohmann::ordered_json json;
   for (const FrameReport& r : sequence.reports())
     json["frames"].push_back({{"frame", r.frame},
@@ -190,6 +192,7 @@ void print_json(const Sequence& sequence) {
   for (const auto& [name, ms] : sequence.totals().sums()) json["ms_per_frame"][name] = ms / sequence.frames();
   json["steps"] = sequence.simulation().facts().steps;
   json["dropped_s"] = sequence.simulation().facts().dropped_s;
+  if (!ledger.empty()) json["effects"] = json_of(ledger);
   console::print_json(json);
 }
 
@@ -205,8 +208,9 @@ void print_stats(const Sequence& sequence) {
 void simulate(const CLI::App& verb, const SimulateOptions& options) {
   const bool pictures = !options.out.empty();
   if (!options.video.empty() && !pictures) throw UsageError("--video is made from pictures: give -o as well");
-  if (!pictures && options.hair_out.empty() && !options.stats && !console::common().json)
-    throw UsageError("nothing is asked for: give -o for pictures, --hair-out for hair files, --stats or --json");
+  if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !console::common().json)
+    throw UsageError(
+        "nothing is asked for: give -o for pictures, --hair-out for hair files, --stats, --explain or --json");
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
   if (pictures) check_curls(scene);
@@ -220,11 +224,13 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
   Sequence sequence(options, scene);
   sequence.run();
   if (!options.video.empty()) make_video(options.out, sequence.frames(), options.fps, options.video);
+  const std::vector<LedgerLine> ledger = options.explain ? sequence.explain() : std::vector<LedgerLine>{};
   if (console::common().json) {
-    print_json(sequence);
+    print_json(sequence, ledger);
     return;
   }
   if (options.stats) print_stats(sequence);
+  if (options.explain) print_ledger(ledger);
   for (const std::filesystem::path* const made : {&options.out, &options.hair_out, &options.video})
     if (!made->empty()) std::printf("%s\n", made->c_str());
 }
@@ -243,6 +249,10 @@ void add_simulate(CLI::App& app) {
   verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
       ->check(console::finite(0.001, 100000));
   verb->add_flag("--stats", o->stats, "Print the time of each stage and a hash of the last state");
+  verb->add_flag(
+      "--explain", o->explain,
+      "Print the ledger: each effect of the motion, whether it runs and why, its cost, and how far hair and, "
+      "with -o, the last picture are from those with it switched over (four sequences more for each)");
   console::add_common_options(*verb);
   verb->callback([verb, o] { simulate(*verb, *o); });
 }

@@ -76,6 +76,16 @@ Effect voxel_grid() {
   return e;
 }
 
+Effect always_run(const char* name, std::vector<std::string> stages, const char* why) {
+  Effect e;
+  e.name = name;
+  e.pass = true;
+  e.provides = {kResult};
+  e.stages = std::move(stages);
+  e.called_for = always(why);
+  return e;
+}
+
 Effect on_the_grid(Effect e) {
   e.needs = {"voxel grid"};
   return e;
@@ -223,6 +233,7 @@ std::vector<Effect> between_strands() {
 
 std::vector<Effect> motion_effects(const Scene& scene) {
   std::vector<Effect> all = between_strands();
+  all.push_back(always_run("chains", {"chains"}, "strands that are awake follow their roots"));
   all.push_back(of_amount("damping", PELAGE_AMOUNT(chain.damping_per_s), always("small steps damp too little")));
   all.push_back(of_amount("hold-shape", PELAGE_AMOUNT(shape.hold_rad_s), judge_hold));
   all.push_back(of_amount("cone", PELAGE_AMOUNT(shape.cone_deg), always("roots would fold flat")));
@@ -233,6 +244,7 @@ std::vector<Effect> motion_effects(const Scene& scene) {
   all.push_back(detail());
   all.push_back(of_amount("speed-cap", PELAGE_AMOUNT(life.max_speed_m_s), always("faster vertices are held back")));
   all.push_back(sleep());
+  all.push_back(always_run("strands", {"strands"}, "what is drawn, from what is simulated"));
   for (Effect& e : all) e.task = Task::motion;
   return all;
 }

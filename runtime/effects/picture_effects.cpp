@@ -144,6 +144,7 @@ Effect pass(std::string name, std::vector<std::string> provides, std::vector<std
 Effect drawing(std::vector<std::string> uses, std::vector<std::string> stages) {
   Effect e = pass("draw", {kResult}, std::move(stages), std::move(uses));
   e.needs = {"geometry"};
+  e.called_for = [](const Scene&, const HairFacts&) { return Verdict{true, "every picture"}; };
   return e;
 }
 
@@ -153,6 +154,7 @@ Effect head() {
   e.idle = [](const Scene&, const HairFacts& hair) {
     return hair.head == nullptr || hair.head->triangles.empty() ? "there is no head" : "";
   };
+  e.called_for = [](const Scene&, const HairFacts&) { return Verdict{true, "drawn with the hair, in its shadow"}; };
   return e;
 }
 

@@ -50,6 +50,9 @@ class SatfFrame {
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
   void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 
+  /// The next picture is made as if the hair had moved.
+  void refresh() noexcept { moved_ = true; }
+
   const Bounds& bounds() const noexcept { return bounds_; }
   const StageLedger& ledger() const noexcept { return ledger_; }
   const RecordSource& source() const noexcept { return *source_; }

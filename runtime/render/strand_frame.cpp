@@ -90,16 +90,14 @@ void StrandFrame::update(const StrandFrameSettings& frame) {
 }
 
 void StrandFrame::update_geometry(int pieces) {
-  {
+  smoothed_.reset();
+  if (pieces > 1) {
     auto stage = ledger_.run("smooth");
-    smoothed_.reset();
-    if (pieces > 1) {
-      smoothed_ = hair::smooth(strands_, pieces);
-      stage.bytes(smoothed_->vertices.size() * sizeof(glm::vec3));
-    }
-    drawn_bounds_ = bounds_;
-    for (const glm::vec3& p : drawn().vertices) drawn_bounds_.add(p);
+    smoothed_ = hair::smooth(strands_, pieces);
+    stage.bytes(smoothed_->vertices.size() * sizeof(glm::vec3));
   }
+  drawn_bounds_ = bounds_;
+  for (const glm::vec3& p : drawn().vertices) drawn_bounds_.add(p);
   std::vector<glm::vec4> tangents;
   {
     auto stage = ledger_.run("tangents");

@@ -64,6 +64,9 @@ class StrandFrame {
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
   void show(const StrandFrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
 
+  /// The next picture is made as if the geometry were new.
+  void refresh() noexcept { moved_ = true; }
+
   const Bounds& bounds() const noexcept { return bounds_; }
   const StageLedger& ledger() const noexcept { return ledger_; }
   const Strands& strands() const noexcept { return strands_; }

@@ -72,7 +72,7 @@ TEST_F(Render, ExrCarriesTheResolvedConfiguration) {
   ASSERT_TRUE(scene.is_object()) << text;
   EXPECT_EQ(scene["image"]["width"], 64);
   EXPECT_EQ(scene["bake"]["sectors"], 60);
-  EXPECT_EQ(scene["satf"]["drift"], false);
+  EXPECT_EQ(scene["effects"]["drift"], "off");
   EXPECT_THAT(text, HasSubstr("blond"));
 }
 
