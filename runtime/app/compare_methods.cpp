@@ -67,7 +67,8 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
   return {
       {"truth", "Ray-traced truth",
        "Every crossing of every fibre, one scattering, shadow rays fibre by fibre; the mean of two pictures of "
-       "independent rays. Its error maps show one of them against their mean: its noise.",
+       "independent rays. Light goes around a fibre by its true normal, unless the scene's truth.azimuth is false; "
+       "strand methods have the mean of that. Its error maps show its noise: one of both pictures against their mean.",
        [](Scene& scene) {
          scene.method = Method::truth;
          return Options{"--method", "truth", "--samples", std::to_string(scene.truth.samples)};

@@ -83,17 +83,17 @@ std::string figure_names() {
   return line;
 }
 
-void write_text(const std::string& text, const std::filesystem::path& file) {
-  AtomicFile out(file);
-  out.write(text);
-  out.commit();
-}
-
 bool is_animated(const Comparison& c) {
   return c.fps > 0;
 }
 
 }  // namespace
+
+void write_text(const std::string& text, const std::filesystem::path& file) {
+  AtomicFile out(file);
+  out.write(text);
+  out.commit();
+}
 
 ordered_json comparison_json(const Comparison& c) {
   ordered_json json{{"name", c.name},

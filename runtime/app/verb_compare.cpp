@@ -8,6 +8,7 @@
 #include "pelage/app/compare.h"
 #include "pelage/app/compare_thresholds.h"
 #include "pelage/app/comparison_files.h"
+#include "pelage/app/comparison_page.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
@@ -139,6 +140,7 @@ void run(const CLI::App& verb, const CompareOptions& o) {
   if (request.methods.size() > 1) context.emplace();  // all but the truth
   const Comparison comparison = compare(request);
   write_comparison(comparison, o.out);
+  write_text(comparison_page(comparison, o.out), o.out / "index.html");
   if (console::common().json)
     console::print_json(comparison_json(comparison));
   else
@@ -147,7 +149,7 @@ void run(const CLI::App& verb, const CompareOptions& o) {
     spdlog::error("{}", sentence);
     console::set_exit_code(console::threshold);
   }
-  if (!console::common().json) std::printf("%s\n", (o.out / "comparison.json").c_str());
+  if (!console::common().json) std::printf("%s\n", (o.out / "index.html").c_str());
 }
 
 }  // namespace
@@ -163,7 +165,8 @@ void add_compare(CLI::App& app) {
           "Rays per pixel of the truth, half of them for its noise [64, or the "
           "scene's where that is more]");
   verb->get_option("--database")->description("Generic records for satf-generic [random sectors, baked and cached]");
-  verb->add_option("-o,--out", o->out, "Folder for pictures, comparison.json and comparison.csv; made if there is none")
+  verb->add_option("-o,--out", o->out,
+                   "Folder for index.html, comparison.json, comparison.csv and pictures; made if there is none")
       ->required();
   verb->add_option("--methods", o->methods, "Only these, e.g. satf-adapted,density-map; the truth is always there")
       ->delimiter(',');

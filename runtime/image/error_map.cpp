@@ -85,8 +85,8 @@ Image error_map(const Image& picture, const Image& truth, float scale, ErrorSign
     }
   if (map.height == picture.height) return map;
   draw_bar(map, picture.height, colours,
-           both ? std::array{fmt::format("\u2264 -{:g}", scale), std::string("0"), fmt::format("\u2265 +{:g}", scale)}
-                : std::array{std::string("0"), fmt::format("{:g}", scale / 2), fmt::format("\u2265 {:g}", scale)});
+           both ? std::array{fmt::format("<= -{:g}", scale), std::string("0"), fmt::format(">= +{:g}", scale)}
+                : std::array{std::string("0"), fmt::format("{:g}", scale / 2), fmt::format(">= {:g}", scale)});
   return map;
 }
 
