@@ -30,15 +30,15 @@ struct Column {
   bool error;     // against the truth: the truth itself has none
   bool animated;  // of animated comparisons only
   double (*value)(const ComparedMethod&);
-  double (*noise)(const PictureError&) = nullptr;  // of the truth, in this column
+  double (*noise)(const Comparison&) = nullptr;  // of the truth, in this column
 };
 
 constexpr Column kColumns[] = {
     {"rmse", "RMSE", "root mean square of the difference of linear RGB", 4, Best::least, true, false,
-     [](const ComparedMethod& m) { return m.error.rmse; }, [](const PictureError& n) { return n.rmse; }},
+     [](const ComparedMethod& m) { return m.error.rmse; }, [](const Comparison& c) { return c.truth_noise.rmse; }},
     {"rmse-covered", "RMSE on hair", "the same over the pixels that hair and head cover at least by half", 4,
      Best::least, true, false, [](const ComparedMethod& m) { return m.error.rmse_covered; },
-     [](const PictureError& n) { return n.rmse_covered; }},
+     [](const Comparison& c) { return c.truth_noise.rmse_covered; }},
     {"bias", "bias", "mean of picture \u2212 truth, linear RGB: below 0 is too dark", 4, Best::nearest_zero, true,
      false, [](const ComparedMethod& m) { return m.error.bias; }},
     {"rel-mse", "relMSE", "mean of (picture \u2212 truth)\u00B2 / (truth\u00B2 + 0.01), linear RGB", 4, Best::least,
@@ -46,9 +46,11 @@ constexpr Column kColumns[] = {
     {"psnr", "PSNR dB", "10 log\u2081\u2080 (1 / MSE) of sRGB values in [0, 1]", 1, Best::most, true, false,
      [](const ComparedMethod& m) { return m.error.psnr_db; }},
     {"flip", "FLIP", "mean LDR-FLIP (Andersson et al. 2020), from 0, no visible difference, to 1", 4, Best::least, true,
-     false, [](const ComparedMethod& m) { return m.error.flip; }, [](const PictureError& n) { return n.flip; }},
+     false, [](const ComparedMethod& m) { return m.error.flip; },
+     [](const Comparison& c) { return c.truth_noise.flip; }},
     {"flicker", "flicker", "RMSE of what changes from frame to frame, against what changes in the truth", 4,
-     Best::least, true, true, [](const ComparedMethod& m) { return m.flicker; }},
+     Best::least, true, true, [](const ComparedMethod& m) { return m.flicker; },
+     [](const Comparison& c) { return c.flicker_noise; }},
     {"prepare", "prepare ms", "to read, fit, bake or open what the method needs, once for a hair", -1, Best::none,
      false, false, [](const ComparedMethod& m) { return m.prepare_ms; }},
     {"first", "first ms", "of the first picture, everything built", -1, Best::least, false, false,
@@ -103,7 +105,7 @@ std::string cell(const Comparison& comparison, const Column& column, const Compa
   }
   const std::string text = text_of(column, value);
   const bool is_best = text == best && !is_truth(comparison, method);
-  const bool is_noise = column.noise != nullptr && value <= column.noise(comparison.truth_noise);
+  const bool is_noise = column.noise != nullptr && value <= column.noise(comparison);
   return fmt::format(R"(<td data-value="{}"{}>{}{}{}</td>)", sort_value(value),
                      is_best    ? R"( class="best")"
                      : is_noise ? R"( class="noise")"
@@ -209,13 +211,15 @@ std::string summary(const Comparison& comparison) {
 std::string noise(const Comparison& comparison) {
   const PictureError& n = comparison.truth_noise;
   return fmt::format(
-      "<p class=\"note\"><b>The truth has noise of its own:</b> RMSE {}, FLIP {}, bias {} (one half of its {} samples "
+      "<p class=\"note\"><b>The truth has noise of its own:</b> RMSE {}, FLIP {}, bias {}{} (one half of its {} "
+      "samples "
       "a "
       "pixel against the other, halved; the bias is that of the halves). A figure not above that (marked ~) says "
       "nothing "
       "about the method, and neither does a difference between two methods that is smaller; more samples lower "
       "it.</p>",
-      number(n.rmse, 4), number(n.flip, 4), number(n.bias, 4, true), comparison.truth_samples);
+      number(n.rmse, 4), number(n.flip, 4), number(n.bias, 4, true),
+      comparison.fps > 0 ? ", flicker " + number(comparison.flicker_noise, 4) : "", comparison.truth_samples);
 }
 
 // Stops of the colours of the maps, for CSS.

@@ -85,6 +85,7 @@ void write_pictures(std::vector<ComparedMethod>& list, const std::filesystem::pa
 
 void move(Comparison& comparison) {
   comparison.fps = 30;
+  comparison.flicker_noise = 0.0005;
   for (ComparedMethod& m : comparison.methods) {
     if (!m.failed.empty()) continue;
     for (int i = 0; i < 40; ++i) {
