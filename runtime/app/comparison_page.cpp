@@ -204,7 +204,7 @@ std::string summary(const Comparison& comparison) {
       comparison.fps > 0 ? fmt::format(", {} frames at {} a second", frames, number(comparison.fps, 0)) : "";
   return fmt::format(
       "{} method{} against a ray-traced truth of {} samples a pixel: the same scene, camera, extinction and "
-      "reflectance, {} \u00D7 {} pixels{}.",
+      "reflectance, {}\u00A0\u00D7\u00A0{} pixels{}.",
       drawn, drawn == 1 ? "" : "s", comparison.truth_samples, comparison.width, comparison.height, moving);
 }
 
