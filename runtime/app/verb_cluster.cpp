@@ -11,7 +11,9 @@
 
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
+#include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/hairstyle.h"
 #include "pelage/hair/cluster_fit.h"
@@ -34,8 +36,9 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("-o,--output", o.output, "hairstyle file to write (JSON)")->required();
   verb.add_option("--clusters", o.fit.clusters, "clusters to fit, at most")->check(CLI::Range(1, 10000));
   verb.add_option("--coverage", o.fit.coverage, "share of the strands' length that lies inside the envelopes")
-      ->check(CLI::Range(0.5, 1.0));
-  verb.add_option("--seed", o.fit.seed, "of the clustering");
+      ->check(console::finite(0.5, 1));
+  verb.add_option("--seed", o.fit.seed, "of the clustering")
+      ->check(console::finite(0, static_cast<double>(kLargestSeed)));
   verb.add_option("--layers", o.division.layers, "layers of a cluster")->check(CLI::Range(1, 32));
   verb.add_option("--sectors", o.division.sectors, "sectors around the outermost layer")->check(CLI::Range(3, 256));
   verb.add_option("--plates", o.division.plates, "sections along a cluster")->check(CLI::Range(2, 512));
@@ -43,8 +46,8 @@ void add_options(CLI::App& verb, Options& o) {
   verb.add_option("--up", o.up, "axis of the file that points up: x, y, z");
   verb.add_option("--curve", o.curve, "what the file's points are: polyline, bspline");
   verb.add_option("--diameter-um", o.diameter_um, "drawn diameter of a strand; 0: the file's, else by their number")
-      ->check(CLI::Range(0.0, 1e5));
-  verb.add_option("--opacity", o.opacity, "of a strand; 0: the file's, else 0.6")->check(CLI::Range(0.0F, 1.0F));
+      ->check(console::finite(0, 1e5));
+  verb.add_option("--opacity", o.opacity, "of a strand; 0: the file's, else 0.6")->check(console::finite(0, 1));
 }
 
 Strands read(const Options& o, hair::ReadReport& report) {

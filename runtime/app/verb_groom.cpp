@@ -145,14 +145,19 @@ void add_groom(CLI::App& app) {
   verb->add_option("--vertices", options->settings.vertices, "per strand; 0: 32, 64 for curls, 16 with --on")
       ->capture_default_str();
   verb->add_option("--length-scale", options->settings.length_scale, "longer or shorter hair, 0.2 to 3")
+      ->check(console::finite())
       ->capture_default_str();
-  verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")->capture_default_str();
+  verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")
+      ->check(console::finite())
+      ->capture_default_str();
   verb->add_option("-o,--output", options->output, "hair file to write: .hair, .tfx, .data, .ply, .obj or .usda")
       ->required();
   verb->add_option("--head-out", options->head_output, "also write the head, as OBJ");
   verb->add_option("--on", options->on,
                    "grow on this head mesh instead (OBJ): strands that gravity bends, for the simulation");
-  verb->add_option("--length-m", options->grow.length_m, "with --on: length of the strands")->capture_default_str();
+  verb->add_option("--length-m", options->grow.length_m, "with --on: length of the strands")
+      ->check(console::finite())
+      ->capture_default_str();
   verb->add_option("--unit", options->unit, "with --on: m, cm, mm, in, or metres per unit")->capture_default_str();
   verb->add_option("--up", options->up, "with --on: axis of the mesh that points up: x, y or z")->capture_default_str();
   verb->add_option("--face", options->face, "with --on: where the face looks once Y is up: +z, -z, +x or -x")

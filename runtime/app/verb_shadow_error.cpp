@@ -14,6 +14,7 @@
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/database.h"
 
@@ -134,7 +135,9 @@ void add_shadow_error(CLI::App& app) {
   verb->add_option("--repeats", options->repeats, "Times that each map is built; medians are shown")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  verb->add_option("--seed", options->seed, "Which vertices and rays")->capture_default_str();
+  verb->add_option("--seed", options->seed, "Which vertices and rays")
+      ->check(console::finite(0, static_cast<double>(kLargestSeed)))
+      ->capture_default_str();
   console::add_common_options(*verb);
   verb->callback([verb, options] { measure(*verb, *options); });
 }
