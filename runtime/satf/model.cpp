@@ -71,6 +71,14 @@ bool same_cross_sections(const std::vector<Instance>& a, const std::vector<Insta
   });
 }
 
+/// As schemas/hairstyle.schema.json bounds them.
+void check(const Division& d) {
+  if (d.layers >= 1 && d.sectors >= 3 && d.plates >= 1 && d.core >= 0 && d.core < 1) return;
+  throw InputError("division", std::to_string(d.layers) + " layers, " + std::to_string(d.sectors) + " sectors, " +
+                                   std::to_string(d.plates) + " plates, core " + std::to_string(d.core) +
+                                   ": give 1, 3, 1 or more, and a core from 0 to below 1");
+}
+
 RingTable ring_table(int width) {
   RingTable ring;
   for (int x = 0; x < width; ++x) {
@@ -113,6 +121,7 @@ SatfModel make_model(const Hairstyle& style, const BakeSettings& bake, int sampl
   if (samples <= 0 || samples % 4 != 0) {
     throw InputError("bake settings", "samples is " + std::to_string(samples) + "; maps need a multiple of 4");
   }
+  check(style.division);
   SatfModel model;
   model.division = style.division;
   model.blocked_width_m = style.opacity * style.diameter_m;

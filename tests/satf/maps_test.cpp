@@ -152,6 +152,39 @@ TEST(Maps, NoStrandsAreTransparentAndManyAreOpaque) {
   EXPECT_GT(unpack_texel(texels[first + width / 2]).alpha, 0.999F);
 }
 
+TEST(Maps, OfFoldsAndOverlappingPlatesAreFiniteAndBounded) {
+  // HARD_CASES 15: there and back on one line, a hairpin, and bends tighter than the cross-section is wide.
+  const std::vector<std::vector<glm::vec3>> lines{
+      {{0, 0, 0}, {0, -.1F, 0}, {0, -.2F, 0}, {0, -.1F, 0}, {0, 0, 0}},
+      {{0, 0, 0}, {0, -.1F, 0}, {0, -.2F, 0}, {1e-6F, -.2F, 0}, {1e-6F, -.1F, 0}, {1e-6F, 0, 0}},
+      {{0, 0, 0}, {0, -.02F, 0}, {.01F, -.02F, 0}, {.01F, 0, 0}},
+      {{0, 0, 0}, {.01F, -.01F, 0}, {0, -.02F, 0}, {.01F, -.03F, 0}, {0, -.04F, 0}}};
+  int overlapping = 0;
+  for (const std::vector<glm::vec3>& line : lines) {
+    Cluster cluster = straight_cluster({.02F, 0, .015F});
+    cluster.centre_line = line;
+    cluster.first_normal = {0, 0, 1};
+    fill_disk(cluster, 60);
+    const Scene scene(style_of(std::move(cluster), {3, 12, 16, 0.1F}));
+    overlapping += overlapping_plates(scene.model.instances[0].swept);
+    for (const SelfShadow shadow : {SelfShadow::light, SelfShadow::paper}) {
+      for (const glm::vec3 eye : {glm::vec3(0.5F, 0.1F, 0.3F), glm::vec3(0, -0.05F, 0), glm::vec3(0, 1, 0)}) {
+        MapRequest request{eye, glm::normalize(glm::vec3(0.2F, 1, 0)), {}};
+        request.settings.self_shadow = shadow;
+        float most = 0;
+        for (const Texel t : scene.maps(request)) {
+          const TexelValues v = unpack_texel(t);
+          ASSERT_TRUE(v.alpha >= 0 && v.alpha <= 1 && v.re >= 0 && v.re <= 8 && v.transmittance >= 0 &&
+                      v.transmittance <= 1);
+          most = std::max(most, v.alpha);
+        }
+        EXPECT_GT(most, 0.1F) << "hair is there";
+      }
+    }
+  }
+  EXPECT_GT(overlapping, 10);
+}
+
 TEST(Maps, AreTheSameBytesForAnyNumberOfThreads) {
   Hairstyle style = style_of(straight_cluster({.01F, 0, .008F}));
   fill_disk(style.clusters[0], 80, 1.0F);
@@ -169,6 +202,19 @@ TEST(Maps, AreTheSameBytesForAnyNumberOfThreads) {
 
 TEST(Model, RefusesSamplesThatCannotTileARing) {
   EXPECT_THROW(make_model(style_of(straight_cluster({.01F, 0, .01F})), BakeSettings{}, 30), InputError);
+}
+
+TEST(Model, RefusesADivisionOfNothing) {  // HARD_CASES 17: no layers
+  for (const Division& none : {Division{0, 24, 8, 0.1F},
+                               {-1, 24, 8, 0.1F},
+                               {4, 0, 8, 0.1F},
+                               {4, 24, 0, 0.1F},
+                               {4, 24, 8, -0.1F},
+                               {4, 24, 8, 1.0F},
+                               {4, 24, 8, NAN}}) {
+    EXPECT_THROW(make_model(style_of(straight_cluster({.01F, 0, .01F}), none), BakeSettings{}, 32), InputError)
+        << none.layers << ' ' << none.sectors << ' ' << none.plates << ' ' << none.core;
+  }
 }
 
 TEST(Model, InstancesCarryTheirTransform) {
