@@ -34,6 +34,13 @@ class Child {
     if (process_ == 0) run(arguments, environment);
   }
   void signal(int number) const { kill(process_, number); }
+  /// Has it set its own handler for the signal, as both programs do before a verb's work begins?
+  bool catches(int number) const {
+    const std::string status = text_of("/proc/" + std::to_string(process_) + "/status"), key = "SigCgt:\t";
+    const std::size_t at = status.find(key);
+    return at != std::string::npos &&
+           (std::stoull(status.substr(at + key.size(), 16), nullptr, 16) >> (number - 1) & 1) != 0;
+  }
   std::string err() const { return text_of(folder_ / "stderr"); }
   Result wait() const {
     int status = 0;

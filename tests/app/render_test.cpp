@@ -230,6 +230,34 @@ TEST_F(Render, WithoutOpenGlExitsFiveWithAHint) {
   expect_no_work(result);
 }
 
+TEST_F(Render, OpenGlThatIsTooOldExitsFiveWithAHint) {
+  const Result result = render({"-o", "@a.png"}, {"MESA_GL_VERSION_OVERRIDE=3.3"});
+  if (result.code == 0) GTEST_SKIP() << "this is not Mesa: its version cannot be lowered";
+  EXPECT_EQ(result.code, 5) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("no OpenGL 4.3 core context"), HasSubstr("install libegl1")));
+  EXPECT_FALSE(fs::exists(folder / "a.png"));
+  expect_no_work(result);
+}
+
+TEST_F(Render, APictureLargerThanMemoryIsASentence) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the sanitizer reserves more memory than the limit";
+#endif
+  // 16384 x 16384 pixels are 4 GiB; 3 GB are to be had.
+  folder.write("h.obj", "v 0 0 0\nv 0 0.1 0\nv 0 0.2 0\nl 1 2 3\n");
+  folder.write("a.png", "earlier");
+  for (const std::string method : {"truth", "unshadowed"}) {
+    const std::string command = "ulimit -v 3000000; exec \"$0\" render \"$1\" --method " + method +
+                                " --samples 1 --supersampling 1 --size 16384x16384 -o \"$2\"";
+    const Result result = Child(folder, {"-c", command, PELAGE_PROGRAM, "@h.obj", "@a.png"}, {}, "/bin/sh").wait();
+    if (result.code == 5) GTEST_SKIP() << result.err;
+    EXPECT_EQ(result.code, 1) << method << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr("pelage: out of memory\n")) << method;
+    EXPECT_EQ(text_of(folder / "a.png"), "earlier");
+    EXPECT_EQ(folder.entries(), 4U) << "h.obj, a.png, stdout, stderr";
+  }
+}
+
 TEST_F(Render, InterruptedBakeResumes) {
   // Records of 1/2 MB that take long to trace.
   nlohmann::json scene = {{"version", 1},

@@ -7,12 +7,14 @@
 #include "../data_schema/temporary.h"
 #include "fixture.h"
 #include "pelage/render/gl_objects.h"
+#include "pelage/render/strand_frame.h"
 
 namespace pelage {
 namespace {
 
 using test::message_of;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
@@ -50,6 +52,65 @@ TEST_F(Context, RefusesTargetsOutOfRange) {
 TEST_F(Context, ReportsOpenGlErrorsByStep) {
   glEnable(GL_INVALID_ENUM);
   EXPECT_THAT(message_of<GraphicsError>([] { check_opengl("a wrong call"); }), HasSubstr("after a wrong call"));
+}
+
+TEST_F(Context, TheLargestTargetIsMadeOrRefused) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  const int side = std::min(most, 16384);
+  try {
+    const Framebuffer target(side, side, GL_R8, false);  // 256 MiB; in colour with depth, 3 GiB
+    target.bind();
+    GLint viewport[4] = {};
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    EXPECT_EQ(viewport[2], side);
+    EXPECT_EQ(viewport[3], side);
+    check_opengl("making it");
+  } catch (const GraphicsError& error) {  // memory that the driver does not have
+    EXPECT_THAT(error.what(),
+                AnyOf(HasSubstr(std::to_string(side) + " x " + std::to_string(side)), HasSubstr("out of memory")));
+  }
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  Framebuffer(4, 4, GL_RGBA16F, true).bind();
+  EXPECT_NO_THROW(check_opengl("a small one after it"));
+}
+
+/// While it lives, glGetError answers as a driver does that has lost the context (a reset of the GPU, or its memory).
+class LostOpenGl {
+ public:
+  LostOpenGl() : real_(glGetError) {
+    glGetError = []() -> GLenum { return GL_CONTEXT_LOST; };
+  }
+  ~LostOpenGl() { glGetError = real_; }
+  LostOpenGl(const LostOpenGl&) = delete;
+  LostOpenGl& operator=(const LostOpenGl&) = delete;
+
+ private:
+  decltype(glGetError) real_;
+};
+
+TEST_F(Context, LostInAPictureIsAnErrorNotAPicture) {
+  const auto frame = test::frame_of(test::straight_lock());
+  const FrameSettings settings = test::front_view();
+  const Image before = frame->render(settings, 24, 24, 1);
+  Strands strand;
+  strand.diameter_m = 1e-3F;
+  strand.append(std::vector<glm::vec3>{{0, 0.1F, 0}, {0, 0, 0}, {0, -0.1F, 0}});
+  StrandFrame strands(strand, 0.6F, {});
+  StrandFrameSettings of_strands;
+  of_strands.camera = settings.camera;
+  of_strands.lights = settings.lights;
+  const Image strands_before = strands.render(of_strands, 24, 24, 1);
+  {
+    const LostOpenGl lost;
+    EXPECT_THAT(message_of<GraphicsError>([&] { frame->render(settings, 24, 24, 1); }),
+                AllOf(HasSubstr("context lost"), HasSubstr("after drawing")));
+    EXPECT_THAT(message_of<GraphicsError>([&] { strands.render(of_strands, 24, 24, 1); }), HasSubstr("context lost"));
+    EXPECT_THAT(message_of<GraphicsError>([] { Renderer(); }), HasSubstr("context lost"));
+  }
+  EXPECT_EQ(frame->render(settings, 24, 24, 1).rgba, before.rgba) << "what failed leaves nothing behind";
+  EXPECT_EQ(strands.render(of_strands, 24, 24, 1).rgba, strands_before.rgba);
 }
 
 /// A folder with copies of all shaders, set as PELAGE_SHADER_DIR while it lives.

@@ -103,6 +103,38 @@ TEST_F(Frame, CameraInsideAClusterSeesItFromWithin) {
   }
 }
 
+TEST_F(Frame, HairAThousandKilometresAwayIsFinite) {
+  // Hard case 9: coordinates in float are 6 cm apart there. Coarse, but a picture.
+  const glm::vec3 far{1e6F, 0, -1e6F};
+  Hairstyle style = test::three_locks();
+  for (Cluster& c : style.clusters) c.transforms = {glm::translate(glm::mat4(1.0F), far)};
+  const auto frame = frame_of(style);
+  FrameSettings settings = front_view();
+  EXPECT_EQ(coverage(checked(frame->render(settings, 32, 32, 1))), 0.0) << "too small to be seen from here";
+  settings.camera.eye += far;
+  settings.camera.target += far;
+  checked(frame->render(settings, 32, 32, 1));
+}
+
+TEST_F(Frame, FoldedAndOverlappingClustersAreDrawn) {
+  // Hard case 15: there and back on one line, and bends tighter than the cross-section is wide.
+  for (const std::vector<glm::vec3>& line :
+       {std::vector<glm::vec3>{{0, .1F, 0}, {0, 0, 0}, {0, -.1F, 0}, {0, 0, 0}, {0, .1F, 0}},
+        {{0, .05F, 0}, {.03F, .02F, 0}, {0, -.01F, 0}, {.03F, -.04F, 0}, {0, -.07F, 0}}}) {
+    Hairstyle style = test::straight_lock();
+    style.clusters[0].centre_line = line;
+    style.clusters[0].cross_sections.assign(4, cross_section({.03F, .02F, .3F}));
+    const auto frame = frame_of(style, test::wall());
+    for (const DrawOrder order : {DrawOrder::clusters, DrawOrder::patches, DrawOrder::exact}) {
+      FrameSettings settings = front_view();
+      settings.satf.draw_order = order;
+      const Image image = checked(frame->render(settings, 64, 64, 1));
+      EXPECT_GT(coverage(image), 0.05);
+      EXPECT_LE(*std::max_element(image.rgba.begin(), image.rgba.end()), 8.0F);
+    }
+  }
+}
+
 /// Hard case 14: azimuths are undefined along the axis; around it the picture moves no more than elsewhere.
 void expect_no_jump_along_the_axis(const CrossSection& section) {
   Hairstyle style = test::straight_lock();

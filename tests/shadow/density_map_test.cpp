@@ -300,5 +300,45 @@ TEST(DensityMap, DepthIsContinuousAcrossCellsAndTheBoxesBorder) {
   }
 }
 
+TEST(DensityMap, TheFirstLitFibreKeepsAllButHalfOfItsOwnCell) {
+  // Hard case 5 with the settings that pictures are made with: a fibre above all others is as bright as it is alone,
+  // and no darker than half of its own depth makes it.
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-0.08F, 0.08F);
+  Strands all;
+  all.diameter_m = 4e-4F;
+  std::vector<glm::vec3> top;
+  for (int i = 0; i <= 40; ++i) top.push_back({0.003F * static_cast<float>(i - 20), 0.11F, 0.01F});
+  all.append(top);
+  for (int i = 0; i < 2000; ++i) {
+    const float x = uniform(random), z = uniform(random), y = uniform(random);
+    all.append(std::array{glm::vec3(x, y, -0.1F), glm::vec3(z, y, 0.1F)});
+  }
+  Strands alone = all;  // in the same box: the others keep their places, not their lengths
+  for (std::size_t s = 1; s < alone.count(); ++s) alone.vertices[alone.offsets[s] + 1] = alone.strand(s)[0];
+  for (const glm::vec3& corner : {glm::vec3(-0.15F), glm::vec3(0.15F)}) {
+    all.append(std::array{corner, corner});
+    alone.append(std::array{corner, corner});
+  }
+  for (const bool depth : {false, true}) {
+    for (const float footprint_m : {0.0F, 0.002F}) {
+      DensityMapSettings settings;
+      settings.resolution = 64;
+      settings.interpolate_depth = depth;
+      settings.footprint_m = footprint_m;
+      const Light light{{0, 1, 0}, {}, glm::vec3(1), 1};
+      const DensityMap among(settings, all, 0.6F, light), lone(settings, alone, 0.6F, light);
+      ASSERT_FLOAT_EQ(among.cell_size_m(), lone.cell_size_m());
+      for (const glm::vec3& v : top) {
+        const float own = 1 - lone.transmittance({v.x, 0.09F, v.z});
+        EXPECT_GT(own, 0.005F);
+        EXPECT_GE(among.transmittance(v), 1 - 0.5F * own - 1e-4F) << v.x;
+        EXPECT_NEAR(among.transmittance(v), lone.transmittance(v), 1e-4F) << v.x;
+      }
+      EXPECT_LT(among.transmittance({0, -0.2F, 0}), 0.8F) << "the others do cast a shadow";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pelage

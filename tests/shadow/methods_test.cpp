@@ -122,6 +122,19 @@ TEST_P(EveryMethod, SaysWhatItRefuses) {
   EXPECT_THAT(why(good, 0.5F, light_from({0, 0, 0})), HasSubstr("direction"));
 }
 
+TEST_P(EveryMethod, StrandsOfOneVertexChangeNothing) {
+  const Strands hair = clumped_hair(200);
+  Strands dotted;
+  dotted.diameter_m = hair.diameter_m;
+  for (std::size_t s = 0; s < hair.count(); ++s) {
+    dotted.append(hair.strand(s));
+    dotted.append(std::array{hair.strand(s)[7]});
+  }
+  const auto without = make_shadow(GetParam(), {}, hair, 0.5F, light_from({1, 2, 3}));
+  const auto with = make_shadow(GetParam(), {}, dotted, 0.5F, light_from({1, 2, 3}));
+  for (const glm::vec3& p : hair.vertices) ASSERT_EQ(at(*with, p), at(*without, p));
+}
+
 TEST(DeepOpacityMap, BeginsAtTheFirstHairWhateverTheirOrder) {
   for (const bool near_last : {true, false}) {
     Strands hair;

@@ -302,6 +302,37 @@ TEST(ChainPhysics, HeldWeightSagsByGravityOverOmegaSquared) {
   }
 }
 
+TEST(ChainPhysics, HoldReturnsAlikeAtAnyInternalStep) {
+  // HARD_CASES 22: a link turned aside by .4 rad swings back as x'' = -omega^2 x - c x' of a held weight, however long
+  // the step; what the implicit spring damps more, omega^2 h / 2 of it a second, stays within 10 % of the way.
+  const auto angles = [](int per_s) {
+    StrandBlocks chain = one_chain(straight_chain(1, 0.3F, {1, 0, 0}));
+    chain.position[1].x[0] = 0.3F * std::cos(0.4F);
+    chain.position[1].z[0] = 0.3F * std::sin(0.4F);
+    ChainStep step = undamped(1.0 / per_s);
+    step.chain.gravity = glm::vec3(0);
+    step.chain.damping_per_s = 8;
+    step.hold_rad_s = 15;
+    std::vector<double> swing;
+    for (int k = 1; k <= per_s; ++k) {
+      step_all(chain, step);
+      const glm::dvec3 p(at(chain, 0, 1));
+      if (k % (per_s / 60) == 0) swing.push_back(std::atan2(p.z, p.x));
+    }
+    return swing;
+  };
+  const std::vector<double> fine = angles(960);
+  EXPECT_LT(*std::min_element(fine.begin(), fine.end()), -0.02);  // beyond and back
+  EXPECT_NEAR(fine.back(), 0, 0.02);
+  for (const int per_s : {240, 480}) {
+    const std::vector<double> coarse = angles(per_s);
+    double most = 0;
+    for (std::size_t k = 0; k < fine.size(); ++k) most = std::max(most, std::abs(coarse[k] - fine[k]));
+    std::printf("hold at 1/%d s: %.1f %% of the way from 1/960 s\n", per_s, 100 * most / 0.4);
+    EXPECT_LT(most, 0.1 * 0.4) << per_s;
+  }
+}
+
 TEST(ChainPhysics, NothingMovesAtRest) {
   // Kinematic speed is 0 at rest; eq. 3.1's v is (N - 1) g dt at the root, to hold the rest up.
   for (const int links : {1, 7, 31}) {

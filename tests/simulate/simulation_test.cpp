@@ -119,6 +119,67 @@ TEST(Simulation, FrameRatesAgree) {
   }
 }
 
+TEST(Simulation, InternalStepsAgree) {
+  // HARD_CASES 22: friction, repulsion, damping and hold-shape at once, at 1/240 to 1/960 s: the tips' way within 10 %.
+  const auto tips_at = [](int per_s) {
+    SimulationSettings s = bare();
+    s.life.step_s = 1.0 / per_s;
+    s.shape.hold_rad_s = 12;
+    Simulation simulation(ball_of_hair(60, 12), {}, s);
+    MotionSettings motion;
+    motion.kind = MotionKind::shake;
+    std::vector<glm::vec3> tips;
+    Strands out = ball_of_hair(60, 12);
+    for (int k = 1; k <= 90; ++k) {
+      simulation.advance(1.0 / 60, head_pose(motion, simulation.pivot(), k / 60.0));
+      simulation.positions(out);
+      for (std::size_t strand = 0; strand < out.count(); ++strand) tips.push_back(out.strand(strand).back());
+    }
+    return tips;
+  };
+  const std::vector<glm::vec3> fine = tips_at(960);
+  const Strands rest = ball_of_hair(60, 12);
+  for (const int per_s : {240, 480}) {
+    const std::vector<glm::vec3> tips = tips_at(per_s);
+    double error = 0, way = 0;
+    for (std::size_t k = 0; k < tips.size(); ++k) {
+      const glm::vec3 e = tips[k] - fine[k], w = fine[k] - rest.strand(k % 60).back();
+      error += static_cast<double>(glm::dot(e, e));
+      way += static_cast<double>(glm::dot(w, w));
+    }
+    std::printf("1/%d s: %.1f %% of the way from 1/960 s\n", per_s, 100 * std::sqrt(error / way));
+    EXPECT_LT(std::sqrt(error / way), 0.10) << per_s;
+  }
+}
+
+TEST(Simulation, TipsDoNotFlyAtAnyFrameTime) {
+  // HARD_CASES 23: frames of .5 ms to 10 s and a random mix; no speed caps.
+  for (const double frame_s : {0.0005, 0.002, 0.05, 0.25, 1.0, 10.0, 0.0}) {  // 0: the mix
+    Simulation simulation(ball_of_hair(100, 16), {}, bare());
+    ASSERT_EQ(bare().life.max_speed_m_s, 0);
+    settle(simulation, 1);
+    MotionSettings motion;
+    motion.kind = MotionKind::dance;
+    float fastest = 0, root = 0;
+    double time = 0;
+    std::uint32_t random = 7;
+    for (int k = 0; k < (frame_s > 0 && frame_s < 0.01 ? 1500 : 60); ++k) {
+      random = random * 1664525U + 1013904223U;
+      const double frame =
+          frame_s > 0 ? frame_s : 0.0005 * std::pow(20000.0, static_cast<double>(random >> 8) / 16777216.0);
+      time += frame;
+      simulation.advance(frame, head_pose(motion, simulation.pivot(), time));
+      fastest = std::max(fastest, simulation.facts().fastest_m_s);
+      root = std::max(root, simulation.facts().fastest_root_m_s);
+    }
+    std::printf("frames of %g s: fastest vertex %.2f m/s, root %.2f m/s\n", frame_s, static_cast<double>(fastest),
+                static_cast<double>(root));
+    EXPECT_GT(root, 0.1F);
+    EXPECT_LE(fastest, 3 * std::max(root, 0.5F)) << frame_s;
+    EXPECT_LE(worst_stretch_of(simulation), 1e-5);
+  }
+}
+
 TEST(Simulation, AnyFrameTimesStayFinite) {
   Simulation simulation(ball_of_hair(100, 16), {}, bare());
   MotionSettings motion;
@@ -342,16 +403,24 @@ TEST(Simulation, DegenerateHairIsHarmless) {
   hair.append(std::vector<glm::vec3>{{0.2F, 0, 0}, {0.2F, 0.1F, 0}, {0.2F, 0, 0}, {0.2F, 0.1F, 0}});
   hair.append(std::vector<glm::vec3>{{0, 0, 0}, {0.1F, 0, 0}, {0.1F, 0.1F, 0}, {0, 0.1F, 0}, {0, 0, 0}});
   hair.append(std::vector<glm::vec3>{{0.3F, 0, 0}, {0.3F, 0.1F, 0}, {0.3F, 0.2F, 0}});
-  SimulationSettings s = bare();
-  s.shape.cone_deg = 20;
-  s.shape.hold_rad_s = 10;
-  Simulation simulation(hair, {}, s);
-  MotionSettings motion;
-  motion.kind = MotionKind::dance;
-  run(simulation, motion, 2, 60);
-  EXPECT_LE(worst_stretch_of(simulation), 1e-5);
-  Simulation none(Strands{}, {}, s);
-  none.advance(0.1, {none.pivot(), glm::dquat(1.0, 0.0, 0.0, 0.0)});
+  for (const ChainSolver solver : {ChainSolver::dftl, ChainSolver::position_based, ChainSolver::tridiagonal}) {
+    SimulationSettings s = bare();
+    s.chain.solver = solver;
+    s.shape.cone_deg = 20;
+    s.shape.hold_rad_s = 10;
+    Simulation simulation(hair, {}, s);
+    MotionSettings motion;
+    motion.kind = MotionKind::dance;
+    run(simulation, motion, 2, 60);
+    Strands now = hair;
+    simulation.positions(now);
+    for (const glm::vec3& p : now.vertices) EXPECT_TRUE(std::isfinite(glm::length(p)));
+    if (solver == ChainSolver::dftl) {
+      EXPECT_LE(worst_stretch_of(simulation), 1e-5);
+    }
+    Simulation none(Strands{}, {}, s);
+    none.advance(0.1, {none.pivot(), glm::dquat(1.0, 0.0, 0.0, 0.0)});
+  }
 }
 
 TEST(Simulation, HoldShapeKeepsAGroom) {

@@ -410,6 +410,25 @@ TEST(VoxelGrid, WeightsAddUpOnFacesAndAtZeros) {  // HARD_CASES 20
   }
 }
 
+TEST(VoxelGrid, WeightsAreNotNegativeOnFacesAndAtZeros) {  // HARD_CASES 20
+  for (const float at : {0.0F, -0.0F, 1e-38F, -1e-38F, kCell, -kCell, 3 * kCell, std::nextafter(kCell, 0.0F),
+                         std::nextafter(-kCell, 0.0F), std::nextafter(-kCell, -1.0F)}) {
+    const StrandBlocks blocks = pair_of_strands(glm::vec3(at), glm::vec3(at));
+    VoxelGrid grid(interaction(4, 0), {});
+    grid.build(blocks, {});
+    const double mass = 0.1, per_m3 = 1e6;  // two ends of strands of .1 m
+    double sum = 0;
+    for (int c = 0; c < 6 * 6 * 6; ++c) {
+      const glm::vec3 node =
+          kCell * (glm::round(glm::vec3(at) / kCell) + glm::vec3(c % 6 - 2, c / 6 % 6 - 2, c / 36 - 2));
+      const float there = grid.density(node);
+      ASSERT_GE(there, 0.0F) << at << ", node " << node.x << ' ' << node.y << ' ' << node.z;
+      sum += static_cast<double>(there);
+    }
+    EXPECT_NEAR(sum, mass * per_m3, 4e-6 * mass * per_m3) << at;  // nodes in float, as they are asked for
+  }
+}
+
 /// Hair on a lattice of `per_cell`^3 vertices per cell that fills [-cells, cells)^3 cells evenly.
 StrandBlocks even_hair(int cells, int per_cell) {
   Strands hair;
@@ -538,6 +557,37 @@ TEST(VoxelGrid, DecaysAlikeAtAnyInternalStep) {  // HARD_CASES 22
   }
   EXPECT_LT(fine[0], 4.5F);
   EXPECT_GT(fine[1], 0.5F);
+}
+
+TEST(VoxelGrid, RepulsionIsPerSecond) {  // HARD_CASES 22
+  for (const RepulsionKind kind : {RepulsionKind::gradient, RepulsionKind::overfull}) {
+    const auto pushed = [&](int per_s) {
+      StrandBlocks blocks = random_blocks(1000, 12, 0.04F, 21);
+      for (Lanes3& v : blocks.velocity) v = {};
+      InteractionSettings s = interaction(0, 10, kind);
+      s.overfull = 1;
+      VoxelGrid grid(s, {});
+      GridStep step;
+      step.step_s = 1.0 / per_s;
+      for (int i = 0; i < per_s / 16; ++i) {
+        grid.build(blocks, step);
+        grid.apply(blocks, step);
+      }
+      std::vector<glm::vec3> velocities;
+      each_vertex(blocks, [&](std::size_t, std::uint32_t i, std::uint32_t, std::size_t b, std::size_t k) {
+        velocities.push_back(get(blocks.velocity[blocks.first[b] + i], k));
+      });
+      return velocities;
+    };
+    const std::vector<glm::vec3> fine = pushed(960);
+    float most = 0;
+    for (const glm::vec3& v : fine) most = std::max(most, glm::length(v));
+    EXPECT_GT(most, 0.3F * 10 / 16);
+    for (const int per_s : {240, 480}) {
+      const std::vector<glm::vec3> coarse = pushed(per_s);
+      for (std::size_t v = 0; v < fine.size(); ++v) ASSERT_LT(glm::distance(coarse[v], fine[v]), 1e-4F * most) << per_s;
+    }
+  }
 }
 
 TEST(VoxelGrid, DoesNothingWithNothingToDo) {
