@@ -53,6 +53,7 @@ function(pelage_test name)
   # Compiles a test a third faster; what it tests stays at -O3.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   gtest_discover_tests(test_${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${arg_LABELS}" TIMEOUT 600)
+  pelage_label_hard_cases(test_${name} "${arg_LABELS}")
 endfunction()
 
 # pelage_embed(<target> NAMESPACE ns OUTPUT stem FILES ...): the text of each file as a std::string_view constant

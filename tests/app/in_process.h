@@ -1,6 +1,7 @@
 // Both programs' main() called in the test's own process: `pelage` as a process takes .2 s to load.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,10 @@ struct Program {
   const char* name;
   int (*main)(int, char**);
 };
+/// In the test's name, which would hold addresses otherwise.
+inline void PrintTo(const Program& program, std::ostream* out) {
+  *out << program.name;
+}
 extern const Program kPelage, kBake;
 
 struct ResultHere {

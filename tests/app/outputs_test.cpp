@@ -23,6 +23,10 @@ struct Way {
   bool folder = false;
 };
 
+void PrintTo(const Way& way, std::ostream* out) {
+  *out << way.name;
+}
+
 std::vector<Way> ways() {
   constexpr bool run = false, bake = true;
   const Words small{"--method", "unshadowed", "--size", "32x32"};
