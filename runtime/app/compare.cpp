@@ -111,7 +111,6 @@ class Run {
   Camera framed() const {
     const ImageSettings& p = request_.scene.image;
     const double seconds = animated() ? frames() / fps() : 0;
-    const MotionSettings still{};
     Bounds bounds;
     if (animated()) {
       bounds = motion_bounds(hair_.strands, head_, request_.scene.simulation.motion, strand_frames_.pivot, seconds);
@@ -149,6 +148,8 @@ class Run {
     std::vector<std::string> words{"--size", fmt::format("{}x{}", p.width, p.height)};
     if (!scene.camera) words.push_back(camera_option(camera_));
     for (const std::string& word : method.set(scene)) words.push_back(word);
+    if (request_.names_database && scene.method == Method::satf && scene.database.empty())
+      words.insert(words.end(), {"--database", ""});
     for (const std::string& word : words) row.command += " " + shell_word(word);
     row.command += animated() ? fmt::format(" --fps {} --seconds {} -o {}", fps(), frames() / fps(), row.id)
                               : " -o " + row.id + ".png";

@@ -91,6 +91,7 @@ const std::vector<std::string> kNotOfRows{"--out",  "--methods", "--threshold", 
 CompareRequest request_of(const CLI::App& verb, const CompareOptions& o) {
   CompareRequest request;
   request.scene = compared_scene(verb, o);
+  request.names_database = !request.scene.database.empty() && verb.count("--database") == 0;
   request.methods = chosen_methods(std::exchange(request.scene.database, ""), o.methods);
   request.folder = o.out;
   request.frames = o.frames;

@@ -42,7 +42,7 @@ glm::dvec3 white() {
   return kXyz * glm::dvec3(1);
 }
 
-/// YCxCz: L*a*b* without the cube root [Flohr1993].
+/// YCxCz: L*a*b* without the cube root (Flohr et al. 1993).
 glm::dvec3 opponent(const glm::dvec3& rgb) {
   const glm::dvec3 n = kXyz * rgb / white();
   return {116 * n.y - 16, 500 * (n.x - n.y), 200 * (n.y - n.z)};

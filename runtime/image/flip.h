@@ -2,7 +2,7 @@
 // [Andersson2020] P. Andersson, J. Nilsson, T. Akenine-Moeller, M. Oskarsson, K. Astroem, M. D. Fairchild: "FLIP: A
 // Difference Evaluator for Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020; sections there:
 //   4.1.1  both pictures in YCxCz, filtered by the eye's contrast sensitivity at this distance, clamped to RGB's cube
-//   4.1.2  L*a*b*, a* and b* times 0.01 L* [Hunt1952], HyAB distance [Abasi2020], to the power qc
+//   4.1.2  L*a*b*, a* and b* times 0.01 L* (after Hunt 1952), HyAB distance (Abasi et al. 2020), to the power qc
 //   4.1.3  compressed to [0, 1]: up to pc cmax takes pt of it
 //   4.2    edges and points of the luminance, by first and second derivatives of a Gaussian
 //   4.3    Delta E = Delta E_c ^ (1 - Delta E_f)
