@@ -53,7 +53,11 @@ float deviation(std::span<const glm::vec3> p) noexcept {
     if (!(glm::dot(chord, chord) > 0)) continue;
     const glm::vec3 begin = i > 0 ? tangent(p[i - 1], p[i], p[i + 1]) : chord;
     const glm::vec3 end = i + 2 < p.size() ? -tangent(p[i + 2], p[i + 1], p[i]) : chord;
-    most = std::max(most, 4.0F / 27.0F * (glm::length(begin - chord) + glm::length(end - chord)));
+    // Only what is across the chord leaves it: along it a centripetal curve neither overshoots nor turns back.
+    const auto across = [&](glm::vec3 v) {
+      return glm::length(v - glm::dot(v, chord) / glm::dot(chord, chord) * chord);
+    };
+    most = std::max(most, 4.0F / 27.0F * (across(begin) + across(end)));
   }
   return most;
 }
@@ -121,7 +125,7 @@ float out_of_reach_m(const Strands& strands, const ColliderCapsule& capsule, flo
     const std::span<const glm::vec3> strand = strands.strand(s);
     if (strand.empty()) continue;
     const float gap = distance_to_segment(strand[0], capsule.from, capsule.to) - capsule.radius_m - margin_m;
-    if (gap < least) least = std::min(least, gap - length_m(strand));
+    least = std::min(least, gap - length_m(strand));
   }
   return least;
 }
@@ -131,8 +135,7 @@ float out_of_reach_m(const Strands& strands, const Extent& box, float margin_m) 
   for (std::size_t s = 0; s < strands.count() && !box.empty(); ++s) {
     const std::span<const glm::vec3> strand = strands.strand(s);
     if (strand.empty()) continue;
-    const float gap = box.distance_m(strand[0]) - margin_m;
-    if (gap < least) least = std::min(least, gap - length_m(strand));
+    least = std::min(least, box.distance_m(strand[0]) - margin_m - length_m(strand));
   }
   return least;
 }

@@ -27,7 +27,7 @@ bool strands_can_meet(const Strands& strands, float near_m);
 float longest_strand_m(const Strands& strands) noexcept;
 
 /// Most by which a centripetal Catmull-Rom curve through the vertices (runtime/hair/catmull_rom.h) leaves the polyline
-/// [m]: Hermite's cubics deviate from the chord by at most 4/27 of what the tangents differ from it.
+/// [m]: Hermite's cubics deviate from the chord by at most 4/27 of what the tangents have across it.
 float curve_deviation_m(const Strands& strands) noexcept;
 
 /// Least distance between any root and the capsule, less the strand's length, the radius and `margin_m` [m]: where it
@@ -38,7 +38,7 @@ float out_of_reach_m(const Strands& strands, const Extent& box, float margin_m) 
 
 /// Can light that leaves the cluster in this direction meet it again? Yes where two parts farther apart along it than
 /// four of its radii overlap as the light sees them, or where it turns by more than 30 degrees within that length.
-/// Else what meets a ray again is a bend's own shoulder: tests/effects bounds it.
+/// Else all but a thousandth of the light that leaves a plate's rim meets no hair again (tests/effects).
 bool may_shade_itself(const SweptCluster& cluster, glm::vec3 to_light) noexcept;
 
 }  // namespace pelage

@@ -114,6 +114,10 @@ void StrandFrame::update_geometry(int pieces) {
 
 /// Builds the shadows of those lights that need it. @return whether any was built, or a light is gone
 bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_method) {
+  if (frame.method == Method::unshadowed) {
+    shadows_.clear();
+    return other_method;
+  }
   bool changed = shadows_.size() != frame.lights.size();
   shadows_.resize(frame.lights.size());
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
@@ -135,6 +139,12 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
 }
 
 void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
+  if (frame.method == Method::unshadowed) {
+    if (!head_.vertices.empty())
+      renderer_.head().set_shadow(std::vector<glm::vec4>(head_.vertices.size(), glm::vec4(1)));
+    renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1)));
+    return;
+  }
   auto stage = ledger_.run("filter");
   std::vector<float> through;
   const auto at = [&](std::span<const glm::vec3> points) {

@@ -1,0 +1,10 @@
+// Allocations that this test program has made so far, of all threads.
+#pragma once
+
+#include <cstdint>
+
+namespace pelage::test {
+
+std::uint64_t allocations() noexcept;
+
+}  // namespace pelage::test
