@@ -24,6 +24,11 @@ for figure in resolutions self-shadow filter lobes; do
   "$bin/pelage" figure "$figure" --size 300x340 -o "docs/$figure.png" --progress never --log-level warn
 done
 
+# What the effects of SATF do, against the truth.
+for figure in ablations head; do
+  "$bin/pelage" figure "$figure" --size 300x340 -o "docs/$figure.png" --progress never --log-level warn
+done
+
 # Moving hair.
 for figure in motion presets; do
   "$bin/pelage" figure "$figure" --size 260x300 -o "docs/$figure.png" --progress never --log-level warn

@@ -7,6 +7,7 @@
 
 #include "pelage/app/drawing.h"
 #include "pelage/app/figure_sheet.h"
+#include "pelage/app/figures_of_methods.h"
 #include "pelage/app/figures_of_motion.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/shadow_error.h"
@@ -121,16 +122,22 @@ Image lobes(Scene scene) {
 using Figure = std::function<Image(Scene)>;
 
 const std::map<std::string, Figure>& figures() {
-  static const std::map<std::string, Figure> all{{"resolutions", resolutions}, {"self-shadow", self_shadow},
-                                                 {"filter", filter},           {"lobes", lobes},
-                                                 {"motion", motion_figure},    {"presets", presets_figure}};
+  static const std::map<std::string, Figure> all{{"resolutions", resolutions},
+                                                 {"self-shadow", self_shadow},
+                                                 {"filter", filter},
+                                                 {"lobes", lobes},
+                                                 {"motion", motion_figure},
+                                                 {"presets", presets_figure},
+                                                 {"ablations", ablations_figure},
+                                                 {"head", head_figure}};
   return all;
 }
 
 void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptions& options, const std::string& out) {
   const auto figure = figures().find(name);
   if (figure == figures().end()) {
-    throw UsageError("there is no figure '" + name + "': filter, lobes, motion, presets, resolutions or self-shadow");
+    throw UsageError("there is no figure '" + name +
+                     "': ablations, filter, head, lobes, motion, presets, resolutions or self-shadow");
   }
   check_picture_name(out);
   check_writable(out);
@@ -154,9 +161,11 @@ void add_figure(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "figure",
       "Draw a figure of the papers anew: resolutions (Bertails 2005, Fig. 8), self-shadow (Fig. 7), filter (Fig. 5), "
-      "lobes (Almeida 2014, Fig. 3.9); and of what `simulate` does: motion, presets");
+      "lobes (Almeida 2014, Fig. 3.9), ablations and head (Xu 2006, Figs. 4 and 5, with errors against the truth); and "
+      "of what `simulate` does: motion, presets");
   auto name = std::make_shared<std::string>();
-  verb->add_option("figure", *name, "filter, lobes, motion, presets, resolutions or self-shadow")->required();
+  verb->add_option("figure", *name, "ablations, filter, head, lobes, motion, presets, resolutions or self-shadow")
+      ->required();
   auto options = add_scene_options(*verb);
   verb->get_option("input")->required(false)->description(
       "Scene, hairstyle or hair file; without it a groom of 10,000 or 15,000 strands");

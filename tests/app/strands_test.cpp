@@ -114,8 +114,8 @@ TEST_F(StrandMethods, WrongOptionsAreNamed) {
   EXPECT_THAT(view.err, HasSubstr("use pelage render"));
   const Result figure = run(folder, {"figure", "everything", "-o", "@x.png"});
   EXPECT_EQ(figure.code, 2);
-  EXPECT_THAT(figure.err,
-              HasSubstr("there is no figure 'everything': filter, lobes, motion, presets, resolutions or self-shadow"));
+  EXPECT_THAT(figure.err, HasSubstr("there is no figure 'everything': ablations, filter, head, lobes, motion, presets, "
+                                    "resolutions or self-shadow"));
   const Result format = run(folder, {"figure", "filter", "-o", "@x.jpg"});
   EXPECT_EQ(format.code, 2);
   EXPECT_THAT(format.err, HasSubstr("has no extension that is written"));  // before it draws
