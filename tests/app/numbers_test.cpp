@@ -56,6 +56,7 @@ Words bad_values(const Option& o) {
   if (o.about.find("x,y,z") != std::string::npos) return {"1,nan,0", "0,1,-inf", "1,1e999,0"};
   if (o.about.find("WIDTHxHEIGHT") != std::string::npos) return {"nanx4", "4xinf", "99999999999x4"};
   if (o.about.find("metres per unit") != std::string::npos) return {"nan", "inf", "1e999"};
+  if (o.about.find("METRIC=VALUE") != std::string::npos) return {"rmse=nan", "density-map:rmse=inf", "rmse=1e999"};
   if (o.about.find("i/n") != std::string::npos) return {"nan/2", "1/inf", "1/99999999999999999999"};
   return {};
 }
