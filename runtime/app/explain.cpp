@@ -66,6 +66,13 @@ LedgerLine line_of(const PlannedEffect& p) {
   return line;
 }
 
+std::vector<LedgerLine> ledger_of(const Drawing& drawing) {
+  std::vector<LedgerLine> ledger;
+  for (const PlannedEffect& p : drawing.plan().effects)
+    charge(ledger.emplace_back(line_of(p)), p.effect, drawing.ledger().stages());
+  return ledger;
+}
+
 bool same_work(const EffectPlan& a, const EffectPlan& b) {
   for (std::size_t i = 0; i < a.effects.size(); ++i)
     if (a.effects[i].runs != b.effects[i].runs) return false;

@@ -46,6 +46,8 @@ Scene switched_over(const Scene& scene, const PlannedEffect& planned);
 bool same_work(const EffectPlan& a, const EffectPlan& b);
 void set_savings(LedgerLine& line, const std::array<double, 2>& as_is_ms, const std::array<double, 2>& other_ms);
 
+/// What ran for the last picture, why and what it took; nothing is compared.
+std::vector<LedgerLine> ledger_of(const Drawing& drawing);
 /// Draws the picture four times for each effect. @throws Interrupted
 std::vector<LedgerLine> explain_picture(Drawing& drawing, const Scene& scene, const Camera& camera);
 

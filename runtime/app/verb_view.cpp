@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/explain.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
@@ -182,6 +183,7 @@ void view(const CLI::App& verb, const ViewOptions& options) {
       if (key == 'R') camera = home;
       if (key == 'P' && motion) motion->toggle();
       if (key == 'T' && motion) motion->restart();
+      if (key == 'E') print_ledger(ledger_of(*drawing));
     }
     if (motion) motion->advance(*drawing);
     const glm::ivec2 size = window.size();
@@ -198,7 +200,8 @@ void add_view(CLI::App& app) {
   verb->footer(
       "Mouse: drag turns, wheel dollies, right drag (or Shift) moves the first light. Keys: space turns or pauses, "
       "R resets the camera, 1 2 3 lobes, 4 self-shadow, 5 global shadow, M shadow method of strands, O drawing order, "
-      "Esc quits. With --motion, --preset or --wind the hair moves: P stops it and lets it go on, T begins anew.");
+      "E prints what runs and why, Esc quits. With --motion, --preset or --wind the hair moves: P stops it and lets it "
+      "go on, T begins anew.");
   auto options = std::make_shared<ViewOptions>();
   options->scene = add_scene_options(*verb);
   options->simulation = add_simulation_options(*verb);
