@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pelage/console/program.h"
+#include "pelage/effects/plan.h"
 #include "pelage/simulate/head_motion.h"
 
 namespace pelage::app {
@@ -15,6 +16,10 @@ constexpr double kStillSeconds = 2;
 constexpr double kLongestPiece_s = 1.0 / 60;
 
 }  // namespace
+
+SimulationSettings planned_motion(const Scene& scene, const Strands& lines, const Mesh& head, float opacity) {
+  return plan_effects(scene, {&lines, nullptr, &head, opacity}, Task::motion).scene.simulation;
+}
 
 Clip::Clip(const Strands& lines, const Mesh& head, const SimulationSettings& settings, double fps, double seconds)
     : settings_(settings), hair_(lines, head, settings), fps_(fps) {

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "pelage/data_schema/mesh.h"
-#include "pelage/data_schema/simulation_settings.h"
+#include "pelage/data_schema/scene.h"
 #include "pelage/data_schema/strands.h"
 #include "pelage/simulate/moving_hair.h"
 
 namespace pelage::app {
+
+/// The scene's simulation with the effects that the hair calls for. @param opacity  of a fibre
+SimulationSettings planned_motion(const Scene& scene, const Strands& lines, const Mesh& head, float opacity);
 
 class Clip {
  public:

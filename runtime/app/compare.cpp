@@ -77,7 +77,8 @@ class Run {
     head_ = prepare_head(scene);
     read_ms_ = ms_since(begin);
     if (animated())
-      strand_frames_ = simulate_frames(hair_.strands, head_, scene.simulation, frames(), fps(), "strands");
+      strand_frames_ = simulate_frames(hair_.strands, head_, planned_motion(scene, hair_.strands, head_, hair_.opacity),
+                                       frames(), fps(), "strands");
     camera_ = scene.camera.value_or(framed());
   }
 
@@ -210,8 +211,12 @@ class Run {
 
   const std::vector<MovedFrame>& frames_of(const Scene& scene, const Drawing& drawing) {
     if (scene.method != Method::satf) return strand_frames_.frames;
-    if (cluster_frames_.frames.empty())
-      cluster_frames_ = simulate_frames(drawing.lines(), drawing.head(), scene.simulation, frames(), fps(), "clusters");
+    if (cluster_frames_.frames.empty()) {
+      const Strands lines = drawing.lines();
+      const Mesh head = drawing.head();
+      cluster_frames_ = simulate_frames(lines, head, planned_motion(scene, lines, head, drawing.facts().opacity),
+                                        frames(), fps(), "clusters");
+    }
     return cluster_frames_.frames;
   }
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "pelage/app/advance_hair.h"
 #include "pelage/app/comparison.h"
 #include "pelage/app/drawing.h"
+#include "pelage/app/moved_frames.h"
 
 namespace pelage::app {
 

@@ -90,8 +90,7 @@ class Sequence {
   Sequence(const SimulateOptions& options, const Scene& scene) : options_(options), scene_(scene) {
     prepare();
     const Strands& strands = subject_.hair.strands;
-    const HairFacts facts{&strands, nullptr, &subject_.head, subject_.hair.opacity};
-    const SimulationSettings s = plan_effects(scene, facts, Task::motion).scene.simulation;
+    const SimulationSettings s = planned_motion(scene, strands, subject_.head, subject_.hair.opacity);
     clip_.emplace(strands, subject_.head, s, options.fps, options.seconds);
     const ImageSettings& p = scene.image;
     const Bounds way = motion_bounds(strands, subject_.head, s.motion, hair().pivot(), frames() / options.fps);

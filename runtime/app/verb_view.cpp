@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
 
+#include "pelage/app/clip.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain.h"
 #include "pelage/app/scene_options.h"
@@ -162,10 +163,7 @@ void view(const CLI::App& verb, const ViewOptions& options) {
   const std::unique_ptr<Drawing> drawing = make_drawing(scene, is_moving(verb));
   std::optional<Motion> motion;
   if (is_moving(verb)) {
-    const Strands lines = drawing->lines();
-    const Mesh head = drawing->head();
-    const HairFacts hair{&lines, nullptr, &head, drawing->facts().opacity};
-    motion.emplace(*drawing, plan_effects(scene, hair, Task::motion).scene.simulation);
+    motion.emplace(*drawing, planned_motion(scene, drawing->lines(), drawing->head(), drawing->facts().opacity));
   }
   const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
   Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));

@@ -1,17 +1,12 @@
-// Hair along the motion of its head, at any frame rate.
+// Every frame of a sequence at once, for those who draw the same motion more than once.
 #pragma once
 
-#include <functional>
+#include <string>
+#include <vector>
 
-#include "pelage/data_schema/simulation_settings.h"
-#include "pelage/simulate/moving_hair.h"
+#include "pelage/app/clip.h"
 
 namespace pelage::app {
-
-/// In pieces short enough for the head's path to be that of any frame rate, and for no time to be dropped.
-/// @param told  after each piece    @throws Interrupted, SimulationError
-void advance_hair(MovingHair& hair, const SimulationSettings& settings, double from_s, double to_s,
-                  const std::function<void()>& told = {});
 
 /// What moves, as it is in one frame.
 struct MovedFrame {
