@@ -96,6 +96,7 @@ void fields(F&& f, StrandSettings& s) {
   f("diffuse", s.diffuse);
   f("primary_highlight", s.primary_highlight);
   f("secondary_highlight", s.secondary_highlight);
+  f("azimuth", s.azimuth);
 }
 
 template <class F>

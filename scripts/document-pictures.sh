@@ -29,6 +29,12 @@ for figure in ablations head; do
   "$bin/pelage" figure "$figure" --size 300x340 -o "docs/$figure.png" --progress never --log-level warn
 done
 
+# The page of `pelage compare`, as a browser shows its beginning.
+"$bin/pelage" compare "$work/bob.hair" --head "$work/head.obj" --material blond --size 420x420 -o "$work/compared" \
+  --progress never --log-level warn > /dev/null
+chromium-headless-shell --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1180 \
+  --screenshot="$PWD/docs/compare.png" "file://$work/compared/index.html" 2> /dev/null
+
 # Moving hair.
 for figure in motion presets; do
   "$bin/pelage" figure "$figure" --size 260x300 -o "docs/$figure.png" --progress never --log-level warn

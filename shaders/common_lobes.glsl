@@ -33,3 +33,16 @@ vec3 hair_lighting(HairMaterial m, vec3 t, vec3 n, vec3 l, vec3 v) {
   sum += m.secondary.a * specular_lobe(normalize(t - m.shape.w * n), l, v, m.shape.y) * m.secondary.rgb;
   return sum;
 }
+
+/// Mean over a fibre's width of the reflectance around it; 1 where c is 0. Twin of runtime/shading/azimuth_mean.h.
+float azimuth_mean(vec2 c, vec3 t, vec3 v, vec3 l) {
+  const float pi = 3.14159265, along = 0.02;
+  vec3 across_v = v - dot(v, t) * t, across_l = l - dot(l, t) * t;
+  float known = length(across_v) * length(across_l);
+  if (known < 1e-6 || c == vec2(0.0)) return 1.0;
+  float x = clamp(dot(across_v, across_l) / known, -1.0, 1.0);
+  float diffuse = (pi - acos(x)) * x + sqrt(1.0 - x * x);
+  float specular = sqrt(0.5 * (1.0 + x));
+  float share = known * known / (known * known + along * along);
+  return share * (c.x * diffuse + c.y * specular) + (1.0 - share);
+}

@@ -13,6 +13,7 @@ uniform vec3 eye;
 uniform HairMaterial material;
 uniform float ambient;  // share of the diffuse colour
 uniform float opacity;  // of a fibre
+uniform vec2 azimuth;   // of azimuth_mean()
 
 in vec3 world;
 in vec3 world_tangent;
@@ -47,7 +48,8 @@ void main() {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < light_count; ++i) {
     Arriving light = arriving(i, world);
-    sum += (shadow(i) * hair_lighting(m, t, n, light.to_light, v) + ambient * m.diffuse.rgb) * light.irradiance;
+    vec3 lit = azimuth_mean(azimuth, t, v, light.to_light) * hair_lighting(m, t, n, light.to_light, v);
+    sum += (shadow(i) * lit + ambient * m.diffuse.rgb) * light.irradiance;
   }
   float alpha = widths_m.y > 0.0 ? opacity * clamp(widths_m.x / widths_m.y, 0.0, 1.0) : 0.0;
   put_fragment(alpha * vec4(sum, 1.0));

@@ -11,6 +11,7 @@ layout(std430, binding = 0) readonly buffer Cases { Case cases[]; };
 layout(std430, binding = 1) writeonly buffer Results { Result results[]; };
 uniform HairMaterial material;
 uniform bool use_map;
+uniform vec2 azimuth;
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -19,5 +20,5 @@ void main() {
   Arriving light = arriving(0, c.at.xyz);
   float through = use_map ? transmittance_at(0, c.at.xyz) : 1.0;
   results[i] = Result(vec4(hair_lighting(material, c.t.xyz, c.n.xyz, c.l.xyz, c.v.xyz), 1.0),
-                      vec4(facing_normal(c.t.xyz, c.v.xyz), through), vec4(light.to_light, 0.0), vec4(light.irradiance, 0.0));
+                      vec4(facing_normal(c.t.xyz, c.v.xyz), through), vec4(light.to_light, azimuth_mean(azimuth, c.t.xyz, c.v.xyz, c.l.xyz)), vec4(light.irradiance, 0.0));
 }

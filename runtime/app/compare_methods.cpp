@@ -68,7 +68,8 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
       {"truth", "Ray-traced truth",
        "Every crossing of every fibre, one scattering, shadow rays fibre by fibre; the mean of two pictures of "
        "independent rays. Light goes around a fibre by its true normal, unless the scene's truth.azimuth is false; "
-       "strand methods have the mean of that. Its error maps show its noise: one of both pictures against their mean.",
+       "strand methods have the mean of that, but for density-map-azimuth. Its error maps show its noise: one of both "
+       "pictures against their mean.",
        [](Scene& scene) {
          scene.method = Method::truth;
          return Options{"--method", "truth", "--samples", std::to_string(scene.truth.samples)};
@@ -90,6 +91,13 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
       strand_row("density-map", "Density map",
                  "Strands as ribbons, shadowed by the light-oriented density map with the scene's settings.",
                  Method::density_map),
+      {"density-map-azimuth", "Density map, light around fibres",
+       "The same with the reflectance around a fibre that the truth and the records have, its mean over the width.",
+       [](Scene& scene) {
+         scene.method = Method::density_map;
+         scene.strands.azimuth = true;
+         return Options{"--method", "density-map", "--azimuth"};
+       }},
       {"density-map-printed", "Density map, as printed",
        "The same as the paper prints it: vertices counted, nearest cell, box of constant size.", printed},
       strand_row("deep-opacity", "Deep opacity maps", "Strands as ribbons; layers behind each pixel's first hair.",

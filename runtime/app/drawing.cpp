@@ -18,7 +18,7 @@ FrameSettings settings_of(const SatfFrame&, const Scene& scene, const Camera& ca
 }
 
 StrandFrameSettings settings_of(const StrandFrame&, const Scene& scene, const Camera& camera) {
-  return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow};
+  return {camera, scene.lights, scene.material, scene.method, scene.strands, scene.shadow, scene.bake.phong};
 }
 
 /// Draws frames with OpenGL.

@@ -153,6 +153,7 @@ void set_strand_options(const CLI::App& verb, const SceneOptions& o, Scene& scen
     scene.strands.shadow_at =
         choose<ShadowAt>({{"vertex", ShadowAt::vertex}, {"fragment", ShadowAt::fragment}}, o.shadow_at, "--shadow-at");
   }
+  if (o.azimuth) scene.strands.azimuth = true;
   if (given("--smoothing")) scene.strands.smoothing = o.smoothing;
   if (given("--samples")) scene.truth.samples = o.samples;
 }
@@ -255,6 +256,8 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--shape", o->shape, "Strands as camera-facing ribbons, or lines one pixel wide [ribbons]");
   verb.add_option("--lobes", o->lobes,
                   "Highlights of strands: scheuermann (two, shifted), kajiya-kay (one) [scheuermann]");
+  verb.add_flag("--azimuth", o->azimuth,
+                "Strands reflect around themselves as the truth's do: brighter towards the light, dark against it");
   verb.add_option("--shadow-at", o->shadow_at, "Where strands look their shadow up: vertex, fragment [vertex]");
   verb.add_option("--smoothing", o->smoothing, "Catmull-Rom pieces per segment of a strand")
       ->capture_default_str()

@@ -16,6 +16,8 @@ namespace {
 
 /// Reflectance maps hold values up to this (satf/maps.h), the others have a mean of 1.
 constexpr float kMostReflectance = 8;
+/// Most of the mean over a fibre's width of what goes around it: pi^2 / 4 where all is diffuse, less where not.
+constexpr float kMostAround = 2.47F;
 
 float greatest(glm::vec3 v) noexcept {
   return std::max({v.x, v.y, v.z});
@@ -58,7 +60,7 @@ std::string unlit(const Scene& scene) {
 /// Of a term that adds `strength` per unit of light.
 Verdict judge_term(const Scene& scene, const HairFacts& hair, float strength) {
   if (scene.method == Method::truth) return {true, "the truth leaves nothing out"};
-  const float gain = scene.method == Method::satf ? kMostReflectance : 1.0F;
+  const float gain = scene.method == Method::satf ? kMostReflectance : scene.strands.azimuth ? kMostAround : 1.0F;
   const float most = gain * strength * brightest(scene, hair) * scene.image.exposure;
   if (most > kUnseen) return {true, fmt::format("adds up to {:.2g} to a colour", most)};
   return {false, fmt::format("adds at most {:.2g} to a colour, {:.2g} cannot be seen", most, kUnseen)};
@@ -95,7 +97,7 @@ Effect lobe_effect(const Lobe& lobe) {
   Effect e;
   e.name = lobe.name;
   e.needs = {"geometry"};
-  e.uses = {"transmittance", "alpha"};
+  e.uses = {"transmittance", "reflectance", "alpha"};
   e.provides = {kResult};
   e.idle = [lobe](const Scene& s, const HairFacts&) -> std::string {
     const bool on = s.method == Method::satf ? s.satf.*lobe.satf : s.strands.*lobe.strands;
@@ -240,12 +242,29 @@ Effect smoothing() {
   return e;
 }
 
+/// [Xu2006 section 7, feature I]: how hair changes with the directions of view and light around it.
+Effect azimuth() {
+  Effect e;
+  e.name = "azimuth";
+  e.provides = {"reflectance"};
+  e.idle = [](const Scene& s, const HairFacts&) -> std::string {
+    if (s.method == Method::truth) return s.truth.azimuth ? "" : "truth.azimuth is off";
+    return s.strands.azimuth ? "" : "strands.azimuth is off: its mean over light angles";
+  };
+  e.called_for = [](const Scene&, const HairFacts&) {
+    return Verdict{true, "without it hair is as bright from behind as from the front"};
+  };
+  e.leave_out = [](Scene& s) { s.strands.azimuth = s.truth.azimuth = false; };
+  return e;
+}
+
 std::vector<Effect> of_strands() {
   std::vector<Effect> all{smoothing()};
   all.push_back(pass("geometry", {"geometry"}, {"tangents", "upload"}, {"curves"}));
   all.push_back(shadow_filter());
   all.push_back(pass("shadow-map", {"shadow map"}, {"fill", "transmittance"}, {"curves"}));
   all.push_back(strand_shadow());
+  all.push_back(azimuth());
   for (const Lobe& lobe : kLobes) all.push_back(lobe_effect(lobe));
   all.push_back(ambient_effect());
   all.push_back(head());
@@ -254,7 +273,7 @@ std::vector<Effect> of_strands() {
 }
 
 std::vector<Effect> of_truth() {
-  std::vector<Effect> all{pass("geometry", {"geometry"}, {"hierarchy"})};
+  std::vector<Effect> all{pass("geometry", {"geometry"}, {"hierarchy"}), azimuth()};
   for (const Lobe& lobe : kLobes) all.push_back(lobe_effect(lobe));
   all.push_back(ambient_effect());
   all.push_back(drawing({}, {"trace"}));

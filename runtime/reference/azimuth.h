@@ -11,18 +11,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numbers>
 
 #include "pelage/data_schema/bake_settings.h"
+#include "pelage/shading/azimuth_mean.h"
 
 namespace pelage {
 
-/// sin(fibre, light) sin(fibre, viewer) at which the term is half itself, half its mean.
-inline constexpr double kAlongFibre = 0.02;
-
 class AzimuthTerm {
  public:
-  explicit AzimuthTerm(const PlanarPhong& phong) noexcept : phong_(phong), mean_(mean(phong)) {}
+  explicit AzimuthTerm(const PlanarPhong& phong) noexcept : phong_(phong), mean_(mean_over_lights(phong)) {}
 
   /// >= 0, finite. t: unit tangent; v, l: unit vectors towards viewer and light.
   /// @param offset  of the ray from the axis, across the ray, in radii
@@ -44,13 +41,6 @@ class AzimuthTerm {
   }
 
  private:
-  /// kd / pi + ks Gamma((p+1)/2) / (2 sqrt(pi) Gamma(p/2+1)), over all light angles.
-  static double mean(const PlanarPhong& phong) noexcept {
-    const double p = phong.exponent;
-    const double lobe = std::exp(std::lgamma((p + 1) / 2) - std::lgamma(p / 2 + 1)) / (2 * std::sqrt(std::numbers::pi));
-    return phong.diffuse / std::numbers::pi + phong.specular * lobe;
-  }
-
   PlanarPhong phong_;
   double mean_;
 };

@@ -37,7 +37,7 @@ struct TruthRequest {
   std::span<const Light> lights;
   HairMaterial material;
   LobeSwitches lobes;
-  PlanarPhong phong;   // of the azimuth term
+  PlanarPhong phong;  // of the azimuth term
   TruthSettings settings;
   HeadShadow head_shadow = HeadShadow::none;
   std::uint64_t seed = 1;  // pictures of different seeds have independent noise

@@ -213,6 +213,7 @@ PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const
   whole.lights = frame.lights;
   whole.material = material_of(frame.material, frame.strands.lobes);
   whole.settings = frame.strands;
+  whole.phong = frame.phong;
   whole.opacity = opacity_;
   whole.shadowed = frame.method != Method::unshadowed;
   return [this, whole](const glm::mat4& part, Framebuffer& target) {

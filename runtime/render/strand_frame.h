@@ -41,6 +41,7 @@ struct StrandFrameSettings {
   Method method = Method::density_map;  // not satf, not truth
   StrandSettings strands;
   ShadowSettings shadow;
+  PlanarPhong phong{};  // reflectance around a fibre, for strands.azimuth
 };
 
 /// The material as StrandLobes asks for it: Kajiya-Kay's has one highlight, unshifted [KajiyaKay1989].

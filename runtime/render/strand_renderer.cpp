@@ -8,6 +8,7 @@
 #include "pelage/data_schema/errors.h"
 #include "pelage/render/shader_inputs.h"
 #include "pelage/render/weighted_blend.h"
+#include "pelage/shading/azimuth_mean.h"
 
 namespace pelage {
 namespace {
@@ -101,6 +102,8 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
   glUniform1i(p.at("ribbons"), on.shape == StrandShape::ribbons ? 1 : 0);
   glUniform1i(p.at("own_colours"), gl_->own_colours ? 1 : 0);
   glUniform1f(p.at("ambient"), request.material.ambient);
+  const glm::vec2 azimuth = on.azimuth ? azimuth_coefficients(request.phong) : glm::vec2(0);
+  glUniform2fv(p.at("azimuth"), 1, glm::value_ptr(azimuth));
   set_lights(p, request.lights);
   set_material(p, request.material, {on.diffuse, on.primary_highlight, on.secondary_highlight});
   if (on.order == StrandOrder::exact) gl_->lists.bind(p);

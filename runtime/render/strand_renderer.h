@@ -25,6 +25,7 @@ struct StrandDrawRequest {
   HairMaterial material;
   StrandSettings settings;
   float opacity = kDefaultOpacity;
+  PlanarPhong phong;     // for settings.azimuth
   bool shadowed = true;  // off: set_depth_maps() is not looked at either
 };
 

@@ -37,6 +37,41 @@ TEST(Azimuth, MeanOverLightAnglesAndWidthIsOne) {
   }
 }
 
+/// azimuth_mean() is the mean of this term over the width, as the strand renderer sees a whole fibre.
+TEST(Azimuth, MeanOverTheWidthIsTheClosedForm) {
+  struct Case {
+    PlanarPhong phong;
+    double near_tolerance, far_tolerance;  // light within 90 degrees of the viewer, and beyond, where lobes wrap
+  };
+  for (const Case& c : {Case{{1, 0, 1}, 1e-5, 1e-5}, Case{{}, 1e-5, 0.03}, Case{{0, 1, 80}, 1e-5, 0.045}}) {
+    const AzimuthTerm term(c.phong);
+    const glm::vec2 k = azimuth_coefficients(c.phong);
+    for (const double incline : {0.0, 0.5}) {
+      for (double azimuth = 0; azimuth <= kPi; azimuth += 0.1) {
+        const glm::dvec3 v = direction(incline, 0), l = direction(-0.3, azimuth);
+        constexpr int kWidths = 20000;
+        double sum = 0;
+        for (int i = 0; i < kWidths; ++i) sum += term(kT, v, l, {2 * (i + 0.5) / kWidths - 1, 0, 0});
+        const double closed = static_cast<double>(azimuth_mean(k, glm::vec3(kT), glm::vec3(v), glm::vec3(l)));
+        EXPECT_NEAR(closed, sum / kWidths, azimuth <= kPi / 2 ? c.near_tolerance : c.far_tolerance)
+            << c.phong.exponent << " at " << azimuth;
+      }
+    }
+    double around = 0;
+    for (int j = 0; j < 3600; ++j)
+      around += static_cast<double>(azimuth_mean(k, glm::vec3(kT), glm::vec3(direction(0, 0)),
+                                                 glm::vec3(direction(0, 2 * kPi * (j + 0.5) / 3600))));
+    EXPECT_NEAR(around / 3600, 1, 0.003) << c.phong.exponent;
+    EXPECT_LE(azimuth_mean(k, {0, 1, 0}, {0, 0, 1}, {0, 0, 1}), 2.47F);  // what the gates of runtime/effects count on
+  }
+}
+
+TEST(Azimuth, MeanOverTheWidthFadesAlongTheFibre) {
+  const glm::vec2 k = azimuth_coefficients({});
+  EXPECT_EQ(azimuth_mean(k, {0, 1, 0}, {0, 1, 0}, {1, 0, 0}), 1);
+  EXPECT_NEAR(azimuth_mean(k, {0, 1, 0}, glm::normalize(glm::vec3(1e-4F, 1, 0)), {1, 0, 0}), 1, 1e-3F);
+}
+
 TEST(Azimuth, IsTheBakersPhongAtTheTrueNormal) {
   // The baker's normal is minus the gradient; density 0 makes its share of Phong 1. Here the share is
   // known^2 / (known^2 + kAlongFibre^2), and 1 across the fibre up to 4e-4.

@@ -137,6 +137,7 @@ TEST(TruthImage, HeadIsOpaqueAndLiesInTheHairsShadow) {
   const FibreScene scene(s, 0.6F, &head);
   TruthRequest r = seen_from_z(2, 2, 1e-4, kOneLight);
   r.lobes = {false, false, false};  // black hair
+  r.material.ambient = 0;
   const glm::vec4 p = pixel(truth_image(scene, s, r), 2, 0, 0);
   EXPECT_EQ(p.a, 1.0F);
   EXPECT_NEAR(p.r, 0.4F * 0.62F * (0.22F + 0.4F), 1e-4F);  // seen through the fibre, and in its shadow

@@ -8,6 +8,7 @@
 
 #include "pelage/render/shader_inputs.h"
 #include "pelage/render/strand_renderer.h"
+#include "pelage/shading/azimuth_mean.h"
 #include "pelage/shading/light.h"
 #include "pelage/shading/lobes.h"
 #include "strands.h"
@@ -26,7 +27,7 @@ struct Result {
 };
 
 std::vector<Result> on_gpu(std::span<const Case> cases, const HairMaterial& material, const Light& light,
-                           const DepthTexture* map = nullptr) {
+                           const DepthTexture* map = nullptr, glm::vec2 azimuth = glm::vec2(0)) {
   const Program p("test_twins.comp");
   Buffer in, out;
   DepthMaps maps;
@@ -36,6 +37,7 @@ std::vector<Result> on_gpu(std::span<const Case> cases, const HairMaterial& mate
   glUseProgram(p.id());
   set_material(p, material, {});
   set_lights(p, {&light, 1});
+  glUniform2f(p.at("azimuth"), azimuth.x, azimuth.y);
   maps.bind(p);
   glUniform1i(p.at("use_map"), map != nullptr ? 1 : 0);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.id());
@@ -116,6 +118,19 @@ TEST_F(Twins, GpuNormalOfALoneStrandEqualsCpu) {
     const float sine = std::max(glm::length(glm::cross(t, v)), 1e-4F);
     ASSERT_LE(glm::length(glm::vec3(gpu[i].facing) - cpu), 8 * kEps / sine + 4 * kEps) << i;
   }
+}
+
+TEST_F(Twins, GpuAzimuthEqualsCpu) {
+  const auto in = cases(4000);
+  const glm::vec2 k = azimuth_coefficients({});
+  const auto gpu = on_gpu(in, {}, {}, nullptr, k);
+  for (std::size_t i = 0; i < gpu.size(); ++i) {
+    const float cpu = azimuth_mean(k, glm::vec3(in[i].t), glm::vec3(in[i].v), glm::vec3(in[i].l));
+    // acos of GLSL has no stated precision; Mesa's is within 1e-4 rad. Near the fibre's direction the angle itself
+    // is of eps / .02.
+    ASSERT_NEAR(gpu[i].to_light.w, cpu, 2e-3F) << i;
+  }
+  EXPECT_EQ(on_gpu(in, {}, {})[5].to_light.w, 1.0F);  // no coefficients: off
 }
 
 TEST_F(Twins, GpuLightsEqualCpuLights) {
