@@ -243,6 +243,11 @@ void check(const Scene& scene, const std::string& where) {
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
     if (!scene.lights[i].position && glm::length(scene.lights[i].direction) < 1e-6F)
       throw InputError(where, "lights/" + std::to_string(i) + ": direction has no length");
+  const std::size_t capsules = scene.simulation.collision.capsules.size();
+  for (const auto& [name, state] : scene.effects)
+    if (name.starts_with("capsule-") && std::stoul(name.substr(8)) >= capsules)
+      throw InputError(where, "effects/" + name + ": simulation.collision has " + std::to_string(capsules) +
+                                  " capsules, counted from 0");
   check(scene.bake, where);
 }
 

@@ -64,6 +64,7 @@ TEST(SceneJson, EffectsThatDoNotExistAreRefused) {
   EXPECT_THAT(message(R"({"frictoin": "on"})"), HasSubstr("nearest known key is \"friction\""));
   EXPECT_THAT(message(R"({"capsule-x": "on"})"), HasSubstr("capsule-x"));
   EXPECT_THAT(message(R"({"friction": "maybe"})"), HasSubstr("friction"));
+  EXPECT_THAT(message(R"({"capsule-0": "off"})"), HasSubstr("has 0 capsules"));
 }
 
 TEST(SceneJson, DocumentedDefaultsAreTheDefaults) {
