@@ -100,6 +100,27 @@ TEST(Measures, ReachIsTheStrandsLength) {
   EXPECT_NEAR(out_of_reach_m(s, Extent{{-1, 1, -1}, {1, 2, 1}}, 0), 0.8F, 1e-6F);
 }
 
+TEST(Measures, TheLongestStrandIsAnyOfThem) {
+  Strands s;
+  EXPECT_EQ(longest_strand_m(s), 0);
+  for (const float length_m : {0.1F, 0.4F, 0.2F}) s.append(std::vector<glm::vec3>{{0, 0, 0}, {0, length_m, 0}});
+  EXPECT_EQ(longest_strand_m(s), 0.4F);
+}
+
+TEST(Measures, ReachGoesAllAlongACapsuleAndItsMargin) {
+  Strands s;
+  s.append(std::vector<glm::vec3>{{0, 0, 0}, {0, 0.2F, 0}});
+  ColliderCapsule c;
+  c.from = {-3, 0, 1}, c.to = {3, 0, 1}, c.radius_m = 0.3F;
+  EXPECT_NEAR(out_of_reach_m(s, c, 0.1F), 1 - 0.3F - 0.1F - 0.2F, 1e-6F);
+  std::swap(c.from, c.to);
+  EXPECT_NEAR(out_of_reach_m(s, c, 0.1F), 1 - 0.3F - 0.1F - 0.2F, 1e-6F);
+  c.from = {2, 0, 0};
+  c.to = {9, 0, 0};  // it ends: a line through it would go through the root
+  EXPECT_NEAR(out_of_reach_m(s, c, 0.1F), 2 - 0.3F - 0.1F - 0.2F, 1e-6F);
+  EXPECT_NEAR(out_of_reach_m(s, Extent{{1, -1, -1}, {2, 1, 1}}, 0.1F), 1 - 0.1F - 0.2F, 1e-6F);
+}
+
 /// A cluster along an arc that turns by `turn_rad` in all, of `radius_m`, 20 cm long.
 Hairstyle arc(float turn_rad, float radius_m) {
   Cluster c;
@@ -129,6 +150,26 @@ TEST(Measures, AFoldMayShadeItselfAndAStraightLockFromTheSideMayNot) {
   EXPECT_FALSE(may_shade(arc(3.1F, 0.005F), side));  // as the light sees it, the arms lie side by side
   EXPECT_TRUE(may_shade(arc(0, 0.01F), along));
   EXPECT_TRUE(may_shade(arc(3.1F, 0.05F), side));  // as thick as it is bent
+}
+
+/// All of it within four of its radii: 46 degrees are more than 30, 23 are not.
+TEST(Measures, ASharpBendMayShadeItself) {
+  EXPECT_TRUE(may_shade(arc(0.8F, 0.05F), {0.1F, 0.2F, 1}));
+  EXPECT_FALSE(may_shade(arc(0.4F, 0.05F), {0.1F, 0.2F, 1}));
+}
+
+/// The light sees the arms of half a turn 2.1 cm apart where they are nearest: they are 1 cm wide to either side,
+/// whichever of the section's axes that is.
+TEST(Measures, ArmsThatOverlapByTheirRimsMayShadeEachOther) {
+  Hairstyle style = arc(3.1F, 0.01F);
+  const glm::vec3 light{1, 0, 0.504F};
+  EXPECT_TRUE(may_shade(style, light));
+  for (const float theta : {0.0F, 1.5707963F}) {
+    style.clusters[0].cross_sections.assign(4, cross_section({0.012F, 0.001F, theta}));
+    EXPECT_TRUE(may_shade(style, light)) << theta;
+    style.clusters[0].cross_sections.assign(4, cross_section({0.002F, 0.001F, theta}));
+    EXPECT_FALSE(may_shade(style, light)) << theta;
+  }
 }
 
 /// Light that has left the envelope behind a plate's rim: the share that hair farther on lets through.

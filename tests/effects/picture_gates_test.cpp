@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../shadow/fixture.h"
+#include "pelage/data_schema/procedural_strands.h"
 #include "pelage/effects/plan.h"
 #include "pelage/shadow/hair_shadow.h"
 
@@ -50,6 +51,162 @@ TEST(PictureGates, LobesThatCannotBeSeenAreLeftOut) {
   EXPECT_FALSE(lit.plan().runs("secondary-highlight"));
   lit.scene.effects["secondary-highlight"] = EffectState::on;
   EXPECT_TRUE(lit.plan().runs("secondary-highlight"));
+}
+
+/// Irradiance of all lights: a point light of 4 at 2 m is a parallel one of 1.
+TEST(PictureGates, LightIsIntensityOverTheSquareOfTheDistance) {
+  Lit lit;
+  const std::string as_of_one = lit.plan().at("primary-highlight").why;
+  lit.scene.lights[0].intensity = 2;
+  EXPECT_NE(lit.plan().at("primary-highlight").why, as_of_one);
+  lit.scene.lights[0].intensity = 1e-4F;
+  EXPECT_FALSE(lit.plan().runs("primary-highlight"));
+  float highest = -1;
+  for (const glm::vec3& p : lit.hair.vertices) highest = std::max(highest, p.y);
+  lit.scene.lights.assign(1, test::light_at({lit.hair.vertices[0].x, highest + 2, lit.hair.vertices[0].z}));
+  lit.scene.lights[0].intensity = 4;
+  EXPECT_EQ(lit.plan().at("primary-highlight").why, as_of_one);
+  lit.scene.lights[0].intensity = 2;
+  lit.scene.lights.push_back(lit.scene.lights[0]);
+  EXPECT_EQ(lit.plan().at("primary-highlight").why, as_of_one);
+}
+
+TEST(PictureGates, ALightOfNoColourIsNone) {
+  Lit lit;
+  lit.scene.lights[0].colour = glm::vec3(0);
+  EXPECT_EQ(lit.plan().at("ambient").why, "the scene has no light");
+  EXPECT_FALSE(lit.plan().runs("shadow-map"));
+}
+
+TEST(PictureGates, KajiyaKaysHairHasOneHighlight) {
+  Lit lit;
+  lit.scene.strands.lobes = StrandLobes::kajiya_kay;
+  EXPECT_TRUE(lit.plan().at("secondary-highlight").idle);
+  EXPECT_TRUE(lit.plan().runs("primary-highlight"));
+}
+
+TEST(PictureGates, StraightSegmentsAreNotSmoothed) {
+  Lit lit;
+  lit.scene.strands.smoothing = 1;
+  EXPECT_TRUE(lit.plan().at("smoothing").idle);
+}
+
+/// Two locks, or what a test makes of them.
+struct LitClusters {
+  Scene scene;
+  Hairstyle style;
+  Mesh head;
+
+  LitClusters() {
+    Cluster c;
+    for (int i = 0; i < 5; ++i) c.centre_line.emplace_back(0, -0.05F * static_cast<float>(i), 0);
+    c.cross_sections.assign(4, cross_section({0.01F, 0.008F, 0.3F}));
+    append_procedural_strands(c, 20, StrandDistribution::uniform, 1);
+    style.clusters = {c};
+    scene.lights[0].direction = {0.1F, 0.2F, 1};  // from the side: a straight lock does not shade itself
+  }
+  EffectPlan plan() const { return plan_effects(scene, {nullptr, &style, &head, 0.6F}, Task::picture); }
+};
+
+/// A lobe that cannot be seen of strands may be seen of clusters, whose reflectance maps hold up to eight times as
+/// much.
+TEST(PictureGates, ReflectanceMapsMakeLobesBrighter) {
+  LitClusters lit;
+  lit.scene.material.secondary_colour = glm::vec3(1);
+  lit.scene.material.secondary = kUnseen / 4;
+  EXPECT_TRUE(lit.plan().runs("secondary-highlight"));
+  lit.scene.material.secondary = kUnseen / 9;
+  EXPECT_FALSE(lit.plan().runs("secondary-highlight"));
+  EXPECT_FALSE(lit.plan().scene.satf.secondary_highlight);
+  Lit strands;
+  strands.scene.material = lit.scene.material;
+  strands.scene.material.secondary = kUnseen / 4;
+  EXPECT_FALSE(strands.plan().runs("secondary-highlight"));
+}
+
+TEST(PictureGates, ColoursOfClustersCount) {
+  LitClusters lit;
+  lit.scene.material.diffuse_colour = glm::vec3(0);
+  lit.style.clusters[0].colour = glm::vec3(0);
+  EXPECT_FALSE(lit.plan().runs("diffuse"));
+  lit.style.clusters[0].colour = {0, 0, 0.5F};
+  EXPECT_TRUE(lit.plan().runs("diffuse"));
+}
+
+/// Where clusters placed by a matrix are is not known: a point light may be in them.
+TEST(PictureGates, PlacedClustersMayBeAtThePointLight) {
+  LitClusters lit;
+  lit.scene.material.secondary = 1e-4F;
+  lit.scene.lights.assign(1, test::light_at({0, 90, 0}));
+  EXPECT_FALSE(lit.plan().runs("secondary-highlight"));
+  lit.style.clusters[0].transforms.resize(1);
+  EXPECT_TRUE(lit.plan().runs("secondary-highlight"));
+}
+
+TEST(PictureGates, OnlyOneClusterByItselfIsWithoutGlobalShadow) {
+  LitClusters lit;
+  EXPECT_FALSE(lit.plan().runs("global-shadow")) << lit.plan().at("global-shadow").why;
+  EXPECT_FALSE(lit.plan().runs("global-shadow-map"));
+  EXPECT_FALSE(lit.plan().scene.satf.global_shadow);
+  LitClusters two = lit;
+  two.style.clusters.push_back(two.style.clusters[0]);
+  EXPECT_TRUE(two.plan().runs("global-shadow"));
+  LitClusters placed = lit;
+  placed.style.clusters[0].transforms.resize(1);
+  EXPECT_TRUE(placed.plan().runs("global-shadow"));
+  placed.style.clusters[0].transforms.resize(2);
+  EXPECT_THAT(placed.plan().at("global-shadow").why, HasSubstr("2 clusters"));
+  LitClusters headed = lit;
+  headed.head.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  headed.head.triangles = {{0, 1, 2}};
+  EXPECT_TRUE(headed.plan().runs("global-shadow"));
+  LitClusters at_a_point = lit;
+  at_a_point.scene.lights.push_back(test::light_at({0, 1, 0}));
+  EXPECT_TRUE(at_a_point.plan().runs("global-shadow"));
+}
+
+/// The paper's takes depths along the view, which alpha has already; following the light needs the light's own maps.
+TEST(PictureGates, OnlyShadowThatFollowsTheLightNeedsItsMaps) {
+  LitClusters lit;
+  lit.scene.satf.global_shadow = false;
+  lit.scene.satf.self_shadow = SelfShadow::light;
+  lit.scene.satf.self_shadow_strength = 0;  // the paper's, not the light's
+  EXPECT_TRUE(lit.plan().runs("self-shadow"));
+  EXPECT_TRUE(lit.plan().runs("s-maps"));
+  lit.scene.satf.self_shadow = SelfShadow::paper;
+  EXPECT_EQ(lit.plan().at("self-shadow").why, "satf.self_shadow_strength is zero");
+  lit.scene.satf.self_shadow_strength = 1;
+  EXPECT_TRUE(lit.plan().runs("self-shadow"));
+  EXPECT_FALSE(lit.plan().runs("s-maps"));
+}
+
+/// Just unseen at a coarse map, hair is seen at a fine one, which does not spread its strands over wide cells.
+TEST(PictureGates, SelfShadowIsJudgedByTheResolutionOfItsOwnMap) {
+  for (const Method method : {Method::density_map, Method::deep_opacity}) {
+    Lit lit;
+    lit.scene.method = method;
+    const auto runs_at = [&](int density, int opacity) {
+      lit.scene.shadow.density_map.resolution = density;
+      lit.scene.shadow.opacity_map.resolution = opacity;
+      return lit.plan().runs("self-shadow");
+    };
+    const bool density = method == Method::density_map;
+    while (runs_at(8, 8)) lit.opacity *= 0.8F;
+    EXPECT_EQ(runs_at(256, 8), density);
+    EXPECT_EQ(runs_at(8, 256), !density);
+  }
+}
+
+TEST(PictureGates, AMapsFactorMakesShadowsDarker) {
+  Lit lit;
+  while (lit.plan().runs("self-shadow")) lit.opacity *= 0.8F;
+  lit.scene.shadow.density_map.factor = 2;
+  EXPECT_TRUE(lit.plan().runs("self-shadow"));
+  lit.opacity = 0.6F;
+  lit.scene.shadow.density_map.factor = 1e-6F;
+  EXPECT_FALSE(lit.plan().runs("self-shadow"));
+  lit.scene.shadow.density_map.factor = 0;
+  EXPECT_THAT(lit.plan().at("self-shadow").why, HasSubstr("factor is zero"));
 }
 
 TEST(PictureGates, ColoursOfTheFileCount) {

@@ -102,6 +102,30 @@ TEST(Plan, PassesCannotBeSwitched) {
   EXPECT_TRUE(plan(small_world(), {{"grid", EffectState::off}}).runs("grid"));
 }
 
+/// Not even one that the result is for, which nothing else needs.
+TEST(Plan, TheDrawingItselfCannotBeSwitched) {
+  std::vector<Effect> world = small_world();
+  world.push_back(pass("draw", {"light"}, {kResult}));
+  for (const EffectState asked : {EffectState::off, EffectState::on}) {
+    const EffectPlan p = plan(world, {{"draw", asked}});
+    EXPECT_TRUE(p.runs("draw"));
+    EXPECT_EQ(p.at("draw").asked, EffectState::automatic);
+  }
+}
+
+TEST(Plan, APassWithNothingToRunIsNotRunAndOffersNothing) {
+  std::vector<Effect> world = small_world();
+  world[2].idle = [](const Scene&, const HairFacts&) { return "there is nothing to map"; };
+  const EffectPlan p = plan(world, {});
+  EXPECT_FALSE(p.runs("shadow"));
+  EXPECT_EQ(p.at("shadow").why, "there is no map");
+  EXPECT_FALSE(p.runs("map"));
+  EXPECT_EQ(p.at("map").why, "there is nothing to map");
+  // Something else that runs takes it where it is: it is not.
+  world[4].uses = {"light", "map"};
+  EXPECT_FALSE(plan(world, {}).runs("map"));
+}
+
 TEST(Plan, RealEffectsComeAfterWhatTheyNeedAndAllOfItIsProvided) {
   Scene scene;
   scene.simulation.collision.capsules.resize(2);
