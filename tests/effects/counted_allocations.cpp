@@ -1,5 +1,7 @@
 #include "counted_allocations.h"
 
+#include <malloc.h>
+
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
@@ -8,18 +10,30 @@
 namespace {
 
 std::atomic<std::uint64_t> count{0};
+std::atomic<std::int64_t> bytes{0};
 
 void* allocate(std::size_t size, std::size_t alignment) {
   ++count;
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-  if (void* const p = std::aligned_alloc(alignment, whole == 0 ? alignment : whole)) return p;
-  throw std::bad_alloc();
+  void* const p = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+  if (p == nullptr) throw std::bad_alloc();
+  bytes += static_cast<std::int64_t>(malloc_usable_size(p));
+  return p;
+}
+
+void release(void* p) noexcept {
+  bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
+  std::free(p);
 }
 
 }  // namespace
 
 std::uint64_t pelage::test::allocations() noexcept {
   return count;
+}
+
+std::int64_t pelage::test::allocated_bytes() noexcept {
+  return bytes;
 }
 
 void* operator new(std::size_t size) {
@@ -29,14 +43,14 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   return allocate(size, static_cast<std::size_t>(alignment));
 }
 void operator delete(void* p) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }

@@ -6,5 +6,7 @@
 namespace pelage::test {
 
 std::uint64_t allocations() noexcept;
+/// Bytes that are allocated now.
+std::int64_t allocated_bytes() noexcept;
 
 }  // namespace pelage::test

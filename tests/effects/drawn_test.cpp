@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../render/strands.h"
+#include "counted_allocations.h"
 #include "pelage/effects/plan.h"
 #include "pelage/image/tone.h"
 
@@ -61,6 +62,40 @@ TEST_F(Drawn, OffIsBitForBitAZeroParameter) {
   expect_same("secondary-highlight", zero);
   zero = scene_, zero.material.ambient = 0;
   expect_same("ambient", zero);
+  zero = scene_, zero.shadow.density_map.filter = false;
+  expect_same("shadow-filter", zero);
+}
+
+/// What a picture of hair that was never shadowed allocates, and keeps.
+TEST_F(Drawn, WithoutSelfShadowNothingIsAllocatedForIt) {
+  const auto cost = [&](const Scene& first, const Scene& second) {
+    frame_.emplace(hair_, opacity_, test::wall());
+    picture(first);
+    const std::uint64_t before = test::allocations();
+    picture(second);
+    return std::pair(test::allocations() - before, test::allocated_bytes());
+  };
+  Scene never = scene_;
+  never.method = Method::unshadowed;
+  const Scene with = plan(scene_).scene;
+  never = plan(never).scene;
+  picture(with), picture(never);  // what drivers and threads make once is made
+  const std::int64_t kept = cost(never, never).second;
+  EXPECT_EQ(cost(never, without("self-shadow")).first, cost(never, never).first);
+  EXPECT_GT(cost(never, with).first, cost(never, never).first);
+  // A map of 32 x 32 x 32 cells takes 128 KiB and more: it is given back.
+  EXPECT_LT(cost(with, without("self-shadow")).second, kept + 100'000);
+  EXPECT_GT(cost(never, with).second, kept + 100'000);
+}
+
+/// A head drawn in the shadow of hair is not when the shadow goes.
+TEST_F(Drawn, ShadowsThatAreSwitchedOffLeaveTheHeadToo) {
+  frame_.emplace(hair_, opacity_, test::wall());
+  const Image never = picture(without("self-shadow"));
+  const Image with = picture(plan(scene_).scene);
+  EXPECT_NE(with.rgba, never.rgba);
+  EXPECT_EQ(picture(without("self-shadow")).rgba, never.rgba);
+  EXPECT_EQ(picture(plan(scene_).scene).rgba, with.rgba);
 }
 
 TEST_F(Drawn, WhatIsOffIsNotRun) {
@@ -160,6 +195,24 @@ TEST_F(DrawnClusters, WithoutShadowsNoMapOfThemIsMade) {
   zero.satf.self_shadow = SelfShadow::paper;
   zero.satf.self_shadow_strength = 0;
   EXPECT_EQ(picture(*frame, plan(zero, style).scene).rgba, off.rgba);
+}
+
+TEST_F(DrawnClusters, LobesThatAreOffAreBitForBitOfStrengthZero) {
+  const Hairstyle style = test::three_locks();
+  const auto frame = test::frame_of(style);
+  const Image with = picture(*frame, plan(scene(), style).scene);
+  const std::pair<const char*, float HairMaterial::*> lobes[] = {{"diffuse", &HairMaterial::diffuse},
+                                                                 {"primary-highlight", &HairMaterial::primary},
+                                                                 {"secondary-highlight", &HairMaterial::secondary},
+                                                                 {"ambient", &HairMaterial::ambient}};
+  for (const auto& [effect, strength] : lobes) {
+    Scene off = scene(), zero = scene();
+    off.effects[effect] = EffectState::off;
+    zero.material.*strength = 0;
+    const Image a = picture(*frame, plan(off, style).scene);
+    EXPECT_EQ(a.rgba, picture(*frame, zero).rgba) << effect;
+    EXPECT_NE(a.rgba, with.rgba) << effect;
+  }
 }
 
 TEST_F(DrawnClusters, OneStraightClusterCallsForNoGlobalShadowAndOneWithAFoldDoes) {

@@ -141,6 +141,25 @@ TEST(MotionGates, CapsulesThatMoveAreKept) {
   EXPECT_TRUE(plan_of(scene_of(s), ball_of_hair(50, 12)).runs("capsule-0"));
 }
 
+TEST(MotionGates, CapsulesOnAMovingHeadStayWithTheHair) {
+  SimulationSettings s = bare();
+  s.motion.kind = MotionKind::shake;
+  ColliderCapsule c;
+  c.from = c.to = {9, 1, 0};
+  c.with_head = true;
+  s.collision.capsules = {c, c, c};
+  s.collision.capsules[1].from = s.collision.capsules[1].to = {0, 1.4F, 0};
+  s.collision.capsules[1].radius_m = 0;  // a wire
+  const EffectPlan p = plan_of(scene_of(s), ball_of_hair(50, 12));
+  EXPECT_FALSE(p.runs("capsule-0"));
+  EXPECT_TRUE(p.runs("capsule-1"));
+  EXPECT_FALSE(p.runs("capsule-2"));
+  ASSERT_EQ(p.scene.simulation.collision.capsules.size(), 1U);
+  EXPECT_EQ(p.scene.simulation.collision.capsules[0], s.collision.capsules[1]);
+  s.collision.capsules[0].with_head = false;  // the head shakes to and fro past it
+  EXPECT_TRUE(plan_of(scene_of(s), ball_of_hair(50, 12)).runs("capsule-0"));
+}
+
 /// Wind just below the gate, gusting at the strand's own frequency: the worst that the bound has to cover.
 TEST(MotionGates, WindIsSkippedOnlyWithinItsBound) {
   const Strands hair = hanging(1, 0);
@@ -164,6 +183,49 @@ TEST(MotionGates, WindIsSkippedOnlyWithinItsBound) {
     EXPECT_LE(off, kUnseenWidth * hair.diameter_m) << speed << " m/s, gusts of " << gust_s << " s";
     EXPECT_GT(speed, 0);
   }
+}
+
+/// What moves a strand by just less than shows, and what makes it show.
+TEST(MotionGates, GustsAndThinPlacesMakeTheWindSeen) {
+  Strands hair = hanging(1, 0);
+  SimulationSettings s = bare(false);
+  s.wind.gust = 0;
+  s.wind.velocity_m_s = {1, 0, 0};
+  const auto runs = [&] { return plan_of(scene_of(s), hair).runs("wind"); };
+  while (runs()) s.wind.velocity_m_s *= 0.9F;
+  s.wind.gust = 0.5F;
+  EXPECT_TRUE(runs());
+  s.wind.gust = 0;
+  hair.diameters_m.assign(hair.vertices.size(), hair.diameter_m);
+  EXPECT_FALSE(runs());
+  hair.diameters_m[7] *= 0.5F;
+  EXPECT_TRUE(runs());
+  hair.diameters_m[7] *= 2;
+  s.wind.drag_per_s = 0;
+  EXPECT_EQ(plan_of(scene_of(s), hair).at("wind").why, "simulation.wind.drag_per_s is zero");
+}
+
+TEST(MotionGates, ShelterIsForTheWind) {
+  SimulationSettings s = bare(false);
+  s.wind.shelter = 1;
+  s.wind.velocity_m_s = {3, 0, 0};
+  Scene scene = scene_of(s);
+  const Strands hair = ball_of_hair(20, 8);
+  EXPECT_TRUE(plan_of(scene, hair).runs("shelter"));
+  EXPECT_TRUE(plan_of(scene, hair).runs("voxel-grid"));
+  scene.effects["wind"] = EffectState::off;
+  EXPECT_FALSE(plan_of(scene, hair).runs("shelter"));
+  EXPECT_FALSE(plan_of(scene, hair).runs("voxel-grid"));
+}
+
+TEST(MotionGates, InWindNothingSleepsSoNothingWatchesForIt) {
+  SimulationSettings s = bare(false);
+  s.wind.velocity_m_s = glm::vec3(0);
+  const Strands hair = ball_of_hair(20, 8);
+  EXPECT_TRUE(plan_of(scene_of(s), hair).runs("sleep"));
+  s.wind.velocity_m_s = {0, 0, 3};
+  EXPECT_FALSE(plan_of(scene_of(s), hair).runs("sleep"));
+  EXPECT_EQ(plan_of(scene_of(s), hair).scene.simulation.life.sleep_m_s, 0);
 }
 
 TEST(MotionGates, AWeakHoldIsSkippedOnlyWithinItsBound) {
@@ -209,6 +271,12 @@ TEST(MotionGates, NoHeadNoCollision) {
   EXPECT_TRUE(plan_of(scene, ball_of_hair(10, 8), head).runs("head-collision"));
   for (glm::vec3& p : head.vertices) p.x += 10;
   EXPECT_FALSE(plan_of(scene, ball_of_hair(10, 8), head).runs("head-collision"));
+  for (glm::vec3& p : head.vertices) p.x -= 9.65F;  // 0.35 m from the root of a strand of 0.3 m
+  Scene thick = scene;
+  thick.simulation.collision.margin_m = 0.04F;
+  EXPECT_FALSE(plan_of(thick, hanging(1, 0), head).runs("head-collision"));
+  thick.simulation.collision.margin_m = 0.06F;
+  EXPECT_TRUE(plan_of(thick, hanging(1, 0), head).runs("head-collision"));
 }
 
 /// A minute at rest, asleep, then the head moves: the same as hair that was kept awake.

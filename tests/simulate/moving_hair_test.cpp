@@ -87,6 +87,63 @@ TEST(MovingHair, RootsStayOnTheHeadHoweverItMoves) {
   }
 }
 
+/// Weightless, so that it sleeps; with curls, the last that hair() makes.
+SimulationSettings dozing(bool curls) {
+  SimulationSettings s = weightless();
+  s.life.sleep_m_s = 0.01F;
+  s.life.sleep_after_s = 0.02F;
+  if (curls) s.shape.curl.radius_m = 0.004F;
+  return s;
+}
+
+TEST(MovingHair, AsleepIsNotMadeAgain) {
+  for (const bool curls : {false, true}) {
+    MovingHair hair(wavy(), {}, dozing(curls));
+    for (int k = 0; k < 10; ++k) hair.advance(1.0 / 60, hair.pose());
+    ASSERT_EQ(hair.simulation().facts().asleep, 60U);
+    EXPECT_TRUE(hair.moved());  // since nobody has asked for it yet
+    const std::vector<glm::vec3> first = hair.hair().vertices;
+    EXPECT_GT(hair.hair_ms(), 0);
+    EXPECT_FALSE(hair.moved());
+    const std::uint64_t steps = hair.simulation().facts().chain_steps;
+    for (int k = 0; k < 5; ++k) {
+      hair.advance(1.0 / 60, hair.pose());
+      EXPECT_FALSE(hair.moved()) << k;
+      EXPECT_EQ(hair.hair().vertices, first);
+      EXPECT_EQ(hair.hair_ms(), 0);
+    }
+    EXPECT_EQ(hair.simulation().facts().chain_steps, steps);
+    EXPECT_GT(steps, 0U);
+  }
+}
+
+TEST(MovingHair, WhatMovesItIsSeenAtTheNextLook) {
+  const RigidPose rest = MovingHair(wavy(), {}, dozing(false)).pose();
+  const auto expect_moved = [&](const char* what, auto action) {
+    MovingHair hair(wavy(), {}, dozing(true));
+    for (int k = 0; k < 10; ++k) hair.advance(1.0 / 60, rest);
+    const std::vector<glm::vec3> before = hair.hair().vertices;
+    ASSERT_FALSE(hair.moved());
+    action(hair);
+    EXPECT_TRUE(hair.moved()) << what;
+    hair.advance(1e-6, hair.pose());
+    EXPECT_TRUE(hair.moved()) << what << ": nobody has looked in between";
+    EXPECT_NE(hair.hair().vertices, before) << what;
+    EXPECT_FALSE(hair.moved()) << what;
+  };
+  const RigidPose there{rest.position + glm::dvec3(0.1, 0, 0), rest.rotation}, turn = turned(rest.position, 0.3);
+  expect_moved("a step", [&](MovingHair& h) { h.advance(1.0 / 60, there); });
+  // A frame shorter than a step shows the head where it is then.
+  expect_moved("a shift between steps", [&](MovingHair& h) { h.advance(1e-6, there); });
+  expect_moved("a turn between steps", [&](MovingHair& h) { h.advance(1e-6, turn); });
+  expect_moved("a teleport", [&](MovingHair& h) { h.teleport(there); });
+  MovingHair hair(wavy(), {}, dozing(false));
+  hair.advance(1.0 / 60, there);
+  hair.hair();
+  hair.reset();
+  EXPECT_TRUE(hair.moved());
+}
+
 TEST(MovingHair, BeginsTheSameWhateverCameBefore) {
   SimulationSettings s = bare();
   s.wind.velocity_m_s = {2, 0, 1};
