@@ -56,6 +56,46 @@ TEST(DepthBound, NorAreThoseOfTheMethodsItIsComparedWith) {
   }
 }
 
+/// A wisp much narrower than a cell, along the light, wherever it lies among the columns: the map may have all of it in
+/// one where the bound's are elsewhere.
+TEST(DepthBound, NarrowWispsAreNotSplitAmongColumns) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> any(-0.04F, 0.04F);
+  for (int trial = 0; trial < 40; ++trial) {
+    Strands hair;
+    hair.diameter_m = 1e-4F;
+    for (const float x : {-0.05F, 0.05F})  // what the map has to span
+      hair.append(std::vector<glm::vec3>{{x, -0.05F, x}, {x, 0.05F, x}});
+    const glm::vec3 at{any(random), -0.05F, any(random)};
+    for (int i = 0; i < 30; ++i) {
+      const glm::vec3 p = at + 1e-4F * glm::vec3(static_cast<float>(i % 6), 0, static_cast<float>(i / 6));
+      hair.append(std::vector<glm::vec3>{p, p + glm::vec3(1e-4F, 0.1F, 0)});
+    }
+    const Light light = test::light_from({0, 1, 0});
+    for (const int resolution : {8, 32}) {
+      DensityMapSettings settings;
+      settings.resolution = resolution;
+      const DensityMap map(settings, hair, 0.6F, light);
+      EXPECT_GE(greatest_depth(hair, 0.6F, light, resolution, kAll), deepest(map, hair, light.direction))
+          << "trial " << trial << " at " << resolution;
+    }
+  }
+}
+
+/// Hair is summed in pieces of 8192 vertices; the one thick segment goes from the last of one to the first of the next.
+TEST(DepthBound, NothingIsLostBetweenTwoLooksAtTheSums) {
+  const auto bound_of = [](int thick) {
+    Strands hair;
+    for (int i = 0; i < 4000; ++i) {
+      const float x = i == thick ? 0 : 1e-5F * static_cast<float>(i - 2000), d = i == thick ? 1e-3F : 1e-9F;
+      hair.append(std::vector<glm::vec3>{{x, 0, 0}, {x, 1e-3F, 0}, {x, 0.1F, 0}});
+      hair.diameters_m.insert(hair.diameters_m.end(), {1e-9F, d, d});
+    }
+    return greatest_depth(hair, 0.6F, test::light_from({1, 0, 0}), 64, kAll);
+  };
+  EXPECT_NEAR(bound_of(2730), bound_of(5), 0.01F * bound_of(5));
+}
+
 TEST(DepthBound, StopsAtTheFirstSumThatIsEnough) {
   const Strands hair = test::clumped_hair(4000);
   const Light light = test::light_from({0, 1, 0});

@@ -195,6 +195,9 @@ TEST_F(DrawnClusters, WithoutShadowsNoMapOfThemIsMade) {
   zero.satf.self_shadow = SelfShadow::paper;
   zero.satf.self_shadow_strength = 0;
   EXPECT_EQ(picture(*frame, plan(zero, style).scene).rgba, off.rgba);
+  zero.satf.self_shadow_strength = 1;  // the paper's takes its depths from alpha
+  EXPECT_NE(picture(*frame, plan(zero, style).scene).rgba, off.rgba);
+  EXPECT_EQ(frame->ledger().calls("s-maps"), 1U);
 }
 
 TEST_F(DrawnClusters, LobesThatAreOffAreBitForBitOfStrengthZero) {

@@ -205,6 +205,20 @@ TEST(MotionGates, GustsAndThinPlacesMakeTheWindSeen) {
   EXPECT_EQ(plan_of(scene_of(s), hair).at("wind").why, "simulation.wind.drag_per_s is zero");
 }
 
+/// Ten times length, drag and greatest speed over gravity; length, and the pull's rate squared, over gravity.
+TEST(MotionGates, SayTheBoundsThatTheyHold) {
+  SimulationSettings s = bare(false);
+  s.chain.gravity = {0, -10, 0};
+  s.wind.velocity_m_s = {0, 0, 2};
+  s.wind.drag_per_s = 0.5F;
+  s.wind.gust = 1;
+  s.shape.hold_rad_s = 2;
+  s.shape.sag_free = false;
+  const EffectPlan p = plan_of(scene_of(s), hanging(3, 0.01F));
+  EXPECT_THAT(p.at("wind").why, HasSubstr("by at most 6e+02 mm"));
+  EXPECT_THAT(p.at("hold-shape").why, HasSubstr("by at most 36 mm; a tenth of a fibre's width is 0.01 mm"));
+}
+
 TEST(MotionGates, ShelterIsForTheWind) {
   SimulationSettings s = bare(false);
   s.wind.shelter = 1;
