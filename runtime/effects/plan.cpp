@@ -15,7 +15,7 @@ EffectState asked_of(const Scene& scene, const Effect& effect) {
   return effect.pass || asked == scene.effects.end() ? EffectState::automatic : asked->second;
 }
 
-/// By itself, whatever the others do.
+/// By itself, in a scene without what is known not to run.
 PlannedEffect judge(Effect effect, const Scene& scene, const HairFacts& facts) {
   PlannedEffect p;
   p.asked = asked_of(scene, effect);
@@ -89,7 +89,11 @@ const PlannedEffect& EffectPlan::at(const std::string& name) const {
 
 EffectPlan plan_effects(std::vector<Effect> effects, const Scene& scene, const HairFacts& facts) {
   EffectPlan plan{scene, {}};
-  for (Effect& effect : effects) plan.effects.push_back(judge(std::move(effect), scene, facts));
+  Scene judged = scene;
+  for (Effect& effect : effects) {
+    const PlannedEffect& p = plan.effects.emplace_back(judge(std::move(effect), judged, facts));
+    if (!p.runs && p.effect.leave_out) p.effect.leave_out(judged);
+  }
   stop_what_lacks(plan.effects);
   stop_what_nothing_takes(plan.effects);
   for (const PlannedEffect& p : plan.effects)

@@ -2,7 +2,7 @@
 //
 //   asked off                     does not run; nor does what cannot do without it
 //   asked on                      runs, unless its settings leave nothing to run or nothing uses what it provides
-//   auto                          the same, if the scene calls for it
+//   auto                          the same, if the scene, without the effects before it that do not run, calls for it
 //   pass                          runs if something that runs needs or uses what it provides
 #pragma once
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -54,6 +55,18 @@ TEST_F(Simulate, WithoutPicturesMovesTheStrandsThemselves) {
       run(*folder_, {"simulate", "@lock.hair", "--preset", "curly", "--hair-out", "@hair", "--seconds", "0.1"});
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_EQ(hair("hair/frame_0002.hair").count(), 64U);
+}
+
+/// Off is as if there were none, to the bit: wind that is off keeps no strand awake either.
+TEST_F(Simulate, WindThatIsOffIsNoWind) {
+  const auto frames = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"--motion", "none", "--seconds", "1.5", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return nlohmann::json::parse(simulate(words).out).at("frames");
+  };
+  const nlohmann::json calm = frames({});
+  EXPECT_GT(calm.back().at("asleep"), 0);
+  EXPECT_EQ(frames({"--wind", "4,0,1", "--off", "wind"}), calm);
 }
 
 TEST_F(Simulate, SaysWhenNothingIsAskedFor) {

@@ -98,6 +98,16 @@ TEST(Plan, SettingsThatLeaveNothingToRunSayWhyWhateverIsAsked) {
   }
 }
 
+/// Wind that is off keeps nothing awake, whoever left it out.
+TEST(Plan, EffectsAreJudgedWithoutThoseBeforeThemThatDoNotRun) {
+  Scene scene;
+  scene.simulation.life.sleep_m_s = 0.002F;
+  scene.simulation.wind.velocity_m_s = {4, 0, 1};
+  EXPECT_FALSE(plan_effects(scene, {}, Task::motion).runs("sleep"));
+  scene.effects["wind"] = EffectState::off;
+  EXPECT_TRUE(plan_effects(scene, {}, Task::motion).runs("sleep"));
+}
+
 TEST(Plan, PassesCannotBeSwitched) {
   EXPECT_TRUE(plan(small_world(), {{"grid", EffectState::off}}).runs("grid"));
 }
