@@ -78,6 +78,7 @@ float colour_of(const HairFacts& hair, glm::vec3 material) {
 
 struct Lobe {
   const char* name;
+  const char* key;  // in satf and in strands
   float HairMaterial::*coefficient;
   bool StrandSettings::*strands;
   bool SatfSettings::*satf;
@@ -85,11 +86,12 @@ struct Lobe {
 };
 
 const Lobe kLobes[] = {
-    {"diffuse", &HairMaterial::diffuse, &StrandSettings::diffuse, &SatfSettings::diffuse,
+    {"diffuse", "diffuse", &HairMaterial::diffuse, &StrandSettings::diffuse, &SatfSettings::diffuse,
      [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.diffuse_colour); }},
-    {"primary-highlight", &HairMaterial::primary, &StrandSettings::primary_highlight, &SatfSettings::primary_highlight,
+    {"primary-highlight", "primary_highlight", &HairMaterial::primary, &StrandSettings::primary_highlight,
+     &SatfSettings::primary_highlight,
      [](const HairMaterial& m, const HairFacts&) { return greatest(m.primary_colour); }},
-    {"secondary-highlight", &HairMaterial::secondary, &StrandSettings::secondary_highlight,
+    {"secondary-highlight", "secondary_highlight", &HairMaterial::secondary, &StrandSettings::secondary_highlight,
      &SatfSettings::secondary_highlight,
      [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.secondary_colour); }}};
 
@@ -101,8 +103,8 @@ Effect lobe_effect(const Lobe& lobe) {
   e.provides = {kResult};
   e.idle = [lobe](const Scene& s, const HairFacts&) -> std::string {
     const bool on = s.method == Method::satf ? s.satf.*lobe.satf : s.strands.*lobe.strands;
-    if (!on) return fmt::format("{} is off", s.method == Method::satf ? "its key in satf" : "its key in strands");
-    if (s.material.*lobe.coefficient == 0) return fmt::format("the material has none");
+    if (!on) return fmt::format("{}.{} is off", s.method == Method::satf ? "satf" : "strands", lobe.key);
+    if (s.material.*lobe.coefficient == 0) return "the material has none";
     if (lobe.coefficient == &HairMaterial::secondary && s.method != Method::satf &&
         s.strands.lobes == StrandLobes::kajiya_kay)
       return "Kajiya-Kay's hair has one highlight";
@@ -180,9 +182,9 @@ Verdict judge_shadow(const Scene& scene, const HairFacts& hair) {
     const float depth =
         factor * greatest_depth(*hair.strands, hair.opacity, light, resolution_of(scene), kUnseenShare / factor);
     if (depth > kUnseenShare)
-      return {true, fmt::format("hair may stop {:.2g} of the light and more", -std::expm1(-depth))};
+      return {true, fmt::format("hair may stop more than {:.2g} % of the light", 100 * kUnseenShare)};
   }
-  return {false, fmt::format("hair stops less than {:.2g} of the light anywhere", kUnseenShare)};
+  return {false, fmt::format("hair stops less than {:.2g} % of the light anywhere", 100 * kUnseenShare)};
 }
 
 Effect strand_shadow() {
@@ -332,11 +334,13 @@ Effect global_shadow() {
   return e;
 }
 
-Effect satf_switch(const char* name, bool SatfSettings::*setting, const char* why) {
+Effect satf_switch(const char* name, const char* key, bool SatfSettings::*setting, const char* why) {
   Effect e;
   e.name = name;
   e.provides = {"alpha"};
-  e.idle = [setting](const Scene& s, const HairFacts&) { return s.satf.*setting ? "" : "its key in satf is off"; };
+  e.idle = [setting, key](const Scene& s, const HairFacts&) {
+    return s.satf.*setting ? "" : fmt::format("satf.{} is off", key);
+  };
   e.called_for = [why](const Scene&, const HairFacts&) { return Verdict{true, why}; };
   e.leave_out = [setting](Scene& s) { s.satf.*setting = false; };
   return e;
@@ -345,9 +349,10 @@ Effect satf_switch(const char* name, bool SatfSettings::*setting, const char* wh
 std::vector<Effect> of_satf(const SatfSettings& satf) {
   std::vector<Effect> all;
   all.push_back(pass("geometry", {"geometry"}, {"sectors", "index", "surfaces"}));
-  all.push_back(satf_switch("drift", &SatfSettings::drift, "without it strands that drift are rows of beads"));
-  all.push_back(satf_switch("curvature", &SatfSettings::curvature, "without it silhouettes are too thin"));
-  all.push_back(satf_switch("fade-ends", &SatfSettings::fade_ends, "without it clusters end as cut tubes"));
+  all.push_back(satf_switch("drift", "drift", &SatfSettings::drift, "without it strands that drift are rows of beads"));
+  all.push_back(satf_switch("curvature", "curvature", &SatfSettings::curvature, "without it silhouettes are too thin"));
+  all.push_back(
+      satf_switch("fade-ends", "fade_ends", &SatfSettings::fade_ends, "without it clusters end as cut tubes"));
   all.push_back(pass("global-shadow-map", {"global shadow map"}, {"shadow map"}));
   all.push_back(pass("s-maps", {"s-maps"}, {"s-maps"}));
   all.push_back(cluster_shadow(satf.self_shadow));
