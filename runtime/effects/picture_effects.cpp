@@ -174,6 +174,7 @@ Verdict judge_shadow(const Scene& scene, const HairFacts& hair) {
   const DensityMapSettings& map = scene.shadow.density_map;
   if (scene.method == Method::density_map && !map.area)
     return {true, "vertices are counted, which has no bound: a vertex may darken its whole cell"};
+  if (scene.strands.smoothing > 1) return {true, "no bound is known for smoothed strands"};
   const float factor = scene.method == Method::density_map ? map.factor : 1.0F;
   if (factor == 0) return {false, "shadow.density_map.factor is zero: no light is stopped"};
   for (const Light& light : scene.lights) {

@@ -264,7 +264,7 @@ TEST(PictureGates, SelfShadowIsSkippedOnlyWithinItsBound) {
   EXPECT_GT(run, 5);
 }
 
-TEST(PictureGates, CountedVerticesAndPointLightsHaveNoBoundSoTheyRun) {
+TEST(PictureGates, CountedVerticesPointLightsAndSmoothedStrandsHaveNoBoundSoTheyRun) {
   Lit lit;
   lit.opacity = 1e-6F;
   EXPECT_FALSE(lit.plan().runs("self-shadow"));
@@ -273,6 +273,11 @@ TEST(PictureGates, CountedVerticesAndPointLightsHaveNoBoundSoTheyRun) {
   lit.scene.shadow.density_map = {};
   lit.scene.lights[0] = test::light_at({0, 2, 0});
   EXPECT_TRUE(lit.plan().runs("self-shadow"));
+  lit.scene.lights[0] = Lit().scene.lights[0];
+  lit.scene.strands.smoothing = 4;
+  EXPECT_TRUE(lit.plan().runs("self-shadow"));
+  lit.scene.effects["smoothing"] = EffectState::off;
+  EXPECT_FALSE(lit.plan().runs("self-shadow"));
 }
 
 TEST(PictureGates, SmoothingIsSkippedWhereTheCameraCannotTell) {
