@@ -8,7 +8,8 @@
 //   - the light that arrives by at most the share kUnseenShare, which moves an 8-bit sRGB value by less than half a
 //   step,
 //   - a place by at most kUnseenWidth of a fibre's width or, in a picture, kUnseenSample of a sample, or
-//   - nothing at all (what it acts on cannot come into reach).
+//   - nothing at all (what it acts on cannot come into reach); what a strand's friction with itself does, less than
+//     0.1 mm, does not count.
 // tests/effects holds scenes made to break each.
 #pragma once
 

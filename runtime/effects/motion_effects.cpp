@@ -59,8 +59,9 @@ Verdict judge_place(const HairFacts& hair, float off_m, const char* what) {
                                           1e3F * off_m, 1e3F * most_m)};
 }
 
-/// What strands do to each other over the voxel grid, which spreads over a cell to each side.
-Verdict judge_neighbours(const Scene& scene, const HairFacts& hair) {
+/// What strands do to each other over the voxel grid, which spreads over a cell to each side. A strand rubs against
+/// itself as well: that moves it by less than 0.1 mm (tests/effects) and does not count.
+Verdict judge_friction(const Scene& scene, const HairFacts& hair) {
   if (hair.strands == nullptr) return {};
   const float near_m = 4 * scene.simulation.interaction.cell_m;
   if (strands_can_meet(*hair.strands, near_m)) return {true, "strands can come into each other's cells"};
@@ -224,9 +225,10 @@ Effect sleep() {
   }
 
 std::vector<Effect> between_strands() {
-  return {voxel_grid(), on_the_grid(of_amount("friction", PELAGE_AMOUNT(interaction.friction_per_s), judge_neighbours)),
-          on_the_grid(of_amount("repulsion", PELAGE_AMOUNT(interaction.repulsion_m_s2), judge_neighbours)), shelter(),
-          wind()};
+  return {voxel_grid(), on_the_grid(of_amount("friction", PELAGE_AMOUNT(interaction.friction_per_s), judge_friction)),
+          on_the_grid(of_amount("repulsion", PELAGE_AMOUNT(interaction.repulsion_m_s2),
+                                always("dense hair is pushed apart, also from itself"))),
+          shelter(), wind()};
 }
 
 }  // namespace

@@ -27,6 +27,19 @@ Strands hanging(std::size_t strands, float apart_m, float length_m = 0.3F) {
   return s;
 }
 
+/// 0.3 m of one strand in turns 1 cm wide, 3 mm apart.
+Strands helix() {
+  Strands s;
+  s.diameter_m = 1e-4F;
+  std::vector<glm::vec3> line;
+  for (int i = 0; i < 96; ++i) {
+    const float turn = static_cast<float>(i) / 10 * 6.2831853F;
+    line.emplace_back(0.005F * std::cos(turn), 1.6F - 0.0003F * static_cast<float>(i), 0.005F * std::sin(turn));
+  }
+  s.append(line);
+  return s;
+}
+
 Scene scene_of(const SimulationSettings& settings) {
   Scene scene;
   scene.simulation = settings;
@@ -69,8 +82,11 @@ TEST(MotionGates, AGroomCallsForItsNeighboursAndASingleStrandHasNone) {
   EXPECT_TRUE(groom.runs("voxel-grid"));
   const EffectPlan lone = plan_of(scene, hanging(1, 0));
   EXPECT_FALSE(lone.runs("friction"));
-  EXPECT_FALSE(lone.runs("voxel-grid"));
   EXPECT_EQ(lone.scene.simulation.interaction.friction_per_s, 0);
+  EXPECT_TRUE(lone.runs("repulsion"));  // of a strand from itself
+  SimulationSettings rubs = simulation_preset("loose");
+  rubs.interaction.repulsion_m_s2 = 0;
+  EXPECT_FALSE(plan_of(scene_of(rubs), hanging(1, 0)).runs("voxel-grid"));
   EXPECT_FALSE(plan_of(scene, hanging(5, 0.65F)).runs("friction"));  // 2 x 0.3 m and four cells of 1 cm
   EXPECT_TRUE(plan_of(scene, hanging(5, 0.63F)).runs("friction"));
 }
@@ -94,17 +110,32 @@ TEST(MotionGates, StrandsOutOfReachDoNothingToEachOther) {
   for (std::size_t v = 0; v < 16; ++v) EXPECT_LT(glm::distance(a.vertices[v], b.vertices[v]), 1e-4F) << v;
 }
 
-/// Self-friction of a lone strand is what `auto` saves; it is small beside the motion.
+/// Self-friction of a lone strand is what `auto` saves; it is small beside the motion, also where the strand is a helix
+/// that passes through each cell several times.
 TEST(MotionGates, WhatALoneStrandLosesIsSmall) {
   SimulationSettings with = bare(), without = with;
   without.interaction.friction_per_s = without.interaction.repulsion_m_s2 = 0;
   with.interaction.repulsion_m_s2 = 0;
-  const Strands lone = hanging(1, 0);
-  const float off = farthest(pushed(lone, with, 1), pushed(lone, without, 1));
-  std::printf("friction of a lone strand with itself: %.3g mm after a second of pushing\n",
-              1e3 * static_cast<double>(off));
-  EXPECT_LT(off, 1e-4F);
-  EXPECT_GT(farthest(pushed(lone, with, 1), lone), 0.02F);
+  with.vertices = without.vertices = 96;
+  for (const Strands& lone : {hanging(1, 0), helix()}) {
+    const float off = farthest(pushed(lone, with, 1), pushed(lone, without, 1));
+    std::printf("friction of a lone strand with itself: %.3g mm after a second of pushing\n",
+                1e3 * static_cast<double>(off));
+    EXPECT_LT(off, 1e-4F);
+    EXPECT_GT(farthest(pushed(lone, with, 1), lone), 0.02F);
+  }
+}
+
+/// A strand that lies close to itself is pushed apart by repulsion, by many times its width.
+TEST(MotionGates, ALoneStrandMayRepelItself) {
+  SimulationSettings s = bare();
+  s.interaction.repulsion_m_s2 = 4;
+  s.vertices = 96;
+  const EffectPlan p = plan_of(scene_of(s), helix());
+  EXPECT_TRUE(p.runs("repulsion"));
+  SimulationSettings without = s;
+  without.interaction.repulsion_m_s2 = 0;
+  EXPECT_GT(farthest(pushed(helix(), s, 1), pushed(helix(), without, 1)), helix().diameter_m);
 }
 
 TEST(MotionGates, CapsulesOutOfReachChangeNotABit) {
