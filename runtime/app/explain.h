@@ -30,7 +30,7 @@ struct LedgerLine {
   std::optional<double> saves_ms;  // time of the frame with it, less the time without: least of two each
   double spread_ms = 0;            // between the two: what a saving below it says nothing about
   std::optional<double> rmse;      // between the pictures, linear RGB, all pixels
-  std::optional<double> moves_mm;  // RMS between the places of the lines' vertices at the end; motion only
+  std::optional<double> moves_mm;  // RMS between the places of the drawn strands at the end; motion only
 };
 
 /// Root mean square of the difference of linear RGB of two pictures of one size.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "pelage/app/clip.h"
 #include "pelage/app/figure_sheet.h"
@@ -13,7 +15,7 @@ namespace {
 
 /// A sequence at its end, and what a frame of it took on average.
 struct Run {
-  Strands lines;
+  Strands hair;
   Image image;  // empty without a drawing
   double ms = 0;
   std::vector<Stage> stages;
@@ -35,7 +37,7 @@ Run run(const Subject& subject, const Scene& planned, double fps, double seconds
   const SimulationFacts& now = clip.hair().simulation().facts();
   const double frames = clip.frames();
   Run result;
-  result.lines = clip.hair().lines();
+  result.hair = clip.hair().hair();
   result.stages = {
       {"chains", (now.chain_ms - before.chain_ms) / frames, now.bytes - now.grid_bytes,
        now.chain_steps - before.chain_steps},
@@ -50,13 +52,34 @@ Run run(const Subject& subject, const Scene& planned, double fps, double seconds
   return result;
 }
 
-double rms_mm(const Strands& a, const Strands& b) {
-  double sum = 0;
-  for (std::size_t v = 0; v < a.vertices.size(); ++v) {
-    const glm::dvec3 d = glm::dvec3(a.vertices[v]) - glm::dvec3(b.vertices[v]);
-    sum += glm::dot(d, d);
+/// The place at a share of a strand's length.
+glm::dvec3 place_at(std::span<const glm::vec3> strand, double share) {
+  const auto segment = [&](std::size_t v) { return glm::distance(glm::dvec3(strand[v - 1]), glm::dvec3(strand[v])); };
+  double length_m = 0;
+  for (std::size_t v = 1; v < strand.size(); ++v) length_m += segment(v);
+  double left_m = share * length_m;
+  for (std::size_t v = 1; v < strand.size(); ++v) {
+    const double segment_m = segment(v);
+    if (left_m < segment_m) return glm::mix(glm::dvec3(strand[v - 1]), glm::dvec3(strand[v]), left_m / segment_m);
+    left_m -= segment_m;
   }
-  return 1e3 * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(a.vertices.size(), 1)));
+  return strand.back();
+}
+
+/// Vertex by vertex; where curls or detail give strands vertices of their own, at evenly spaced shares of their length.
+double rms_mm(const Strands& a, const Strands& b) {
+  constexpr int kShares = 16;
+  double sum = 0;
+  std::size_t places = 0;
+  const auto add = [&](const glm::dvec3& d) { sum += glm::dot(d, d), ++places; };
+  for (std::size_t s = 0; s < a.count(); ++s) {
+    const auto p = a.strand(s), q = b.strand(s);
+    if (p.size() == q.size())
+      for (std::size_t v = 0; v < p.size(); ++v) add(glm::dvec3(p[v]) - glm::dvec3(q[v]));
+    else if (!p.empty() && !q.empty())
+      for (int i = 0; i <= kShares; ++i) add(place_at(p, 1.0 * i / kShares) - place_at(q, 1.0 * i / kShares));
+  }
+  return 1e3 * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(places, 1)));
 }
 
 }  // namespace
@@ -71,7 +94,7 @@ std::vector<LedgerLine> explain_motion(const Subject& subject, const Scene& scen
       const Run a = run(subject, as_is, fps, seconds, drawing, camera);
       const Run b = run(subject, other, fps, seconds, drawing, camera);
       with_ms[i] = a.ms, without_ms[i] = b.ms;
-      line.moves_mm = rms_mm(a.lines, b.lines);
+      line.moves_mm = rms_mm(a.hair, b.hair);
       if (drawing != nullptr) line.rmse = rms_difference(a.image, b.image);
     }
     set_savings(line, with_ms, without_ms);

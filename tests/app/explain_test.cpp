@@ -159,12 +159,11 @@ TEST_F(Explained, SwitchingWhatNothingTakesChangesNothing) {
 class ExplainedMotion : public ::testing::Test {
  protected:
   std::vector<LedgerLine> explain() const { return explain_motion(subject_, scene_, 30, 0.1, nullptr, {}); }
-  Strands lines_at_the_end(const SimulationSettings& settings) const {
+  Strands hair_at_the_end(const SimulationSettings& settings) const {
     Clip clip(subject_.hair.strands, subject_.head, settings, 30, 0.1);
     clip.begin();
     for (int k = 0; k < clip.frames(); ++k) clip.advance(k);
-    clip.hair().hair();
-    return clip.hair().lines();
+    return clip.hair().hair();
   }
   static Scene small() {
     Scene s;
@@ -193,14 +192,14 @@ TEST_F(ExplainedMotion, EveryEffectIsARowWithTheCallsOfTheSequence) {
   }
 }
 
-TEST_F(ExplainedMotion, WhatIsLostIsTheDistanceOfTheLines) {
+TEST_F(ExplainedMotion, WhatIsLostIsTheDistanceOfTheDrawnHair) {
   const std::vector<LedgerLine> ledger = explain();
   for (const char* const name : {"friction", "damping"}) {
     Scene without = scene_;
     without.effects[name] = EffectState::off;
     const HairFacts facts{&subject_.hair.strands, nullptr, &subject_.head, 0.6F};
-    const Strands a = lines_at_the_end(plan_effects(scene_, facts, Task::motion).scene.simulation),
-                  b = lines_at_the_end(plan_effects(without, facts, Task::motion).scene.simulation);
+    const Strands a = hair_at_the_end(plan_effects(scene_, facts, Task::motion).scene.simulation),
+                  b = hair_at_the_end(plan_effects(without, facts, Task::motion).scene.simulation);
     double squares = 0;
     for (std::size_t v = 0; v < a.vertices.size(); ++v) {
       const glm::dvec3 d = glm::dvec3(a.vertices[v]) - glm::dvec3(b.vertices[v]);

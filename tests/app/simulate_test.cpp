@@ -69,6 +69,26 @@ TEST_F(Simulate, WindThatIsOffIsNoWind) {
   EXPECT_EQ(frames({"--wind", "4,0,1", "--off", "wind"}), calm);
 }
 
+/// How far hair moves is told of what is drawn, curls and detail too, whose vertices are not those of the simulation.
+TEST_F(Simulate, ExplainsWhatEachEffectMoves) {
+  const Result r = simulate({"--preset", "curly", "--vertices", "4", "--seconds", "0.1", "--settle", "0", "--off",
+                             "friction", "--explain", "--json"});
+  ASSERT_EQ(r.code, 0) << r.err;
+  std::map<std::string, nlohmann::json> effects;
+  const nlohmann::json ledger = nlohmann::json::parse(r.out).at("effects");
+  for (const nlohmann::json& e : ledger) effects[e.at("effect")] = e;
+  for (const char* const name : {"detail", "curls"}) {
+    EXPECT_TRUE(effects.at(name).at("runs")) << name;
+    EXPECT_GT(effects.at(name).at("moves_mm"), 0.1) << name;
+  }
+  EXPECT_EQ(effects.at("friction").at("asked"), "off");
+  EXPECT_FALSE(effects.at("friction").at("runs"));
+  EXPECT_TRUE(effects.at("friction").at("called_for"));
+  EXPECT_FALSE(effects.at("chains").contains("saves_ms")) << "a pass";
+  EXPECT_FALSE(effects.at("wind").contains("moves_mm")) << "nothing to run";
+  for (const auto& [name, e] : effects) EXPECT_FALSE(e.at("why").get<std::string>().empty()) << name;
+}
+
 TEST_F(Simulate, SaysWhenNothingIsAskedFor) {
   const Result r = simulate({});
   EXPECT_EQ(r.code, 2);
