@@ -45,12 +45,23 @@ double number(const std::string& text, const std::string& whole) {
   return value;
 }
 
+/// Of a picture, or of the frame that is worst.
 std::string violation(const ComparedMethod& m, const Threshold& t, const Metric& metric) {
   if (!m.failed.empty()) return fmt::format("{}: {} cannot be held, there is no picture: {}", m.id, t.metric, m.failed);
-  const double value = metric.value(m);
-  if (t.metric == "psnr-db")
-    return value >= t.limit ? "" : fmt::format("{}: psnr-db is {:.6g}, below {:g}", m.id, value, t.limit);
-  return value <= t.limit ? "" : fmt::format("{}: {} is {:.6g}, above {:g}", m.id, t.metric, value, t.limit);
+  const bool at_least = t.metric == "psnr-db";
+  double worst = metric.value(m);
+  std::size_t frame = 0;
+  ComparedMethod shown = m;
+  for (std::size_t k = 1; k < m.frames.size(); ++k) {
+    shown.error = m.frames[k].error;
+    const double value = metric.value(shown);
+    const bool worse = !(at_least ? value >= worst : value <= worst);  // or no number
+    if (worse && !std::isnan(worst)) worst = value, frame = k;
+  }
+  if (at_least ? worst >= t.limit : worst <= t.limit) return "";
+  const std::string where = frame > 0 ? fmt::format(" in frame {}", frame) : "";
+  return fmt::format("{}: {} is {:.6g}{}, {} {:g}", m.id, t.metric, worst, where, at_least ? "below" : "above",
+                     t.limit);
 }
 
 }  // namespace

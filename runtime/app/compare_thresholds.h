@@ -19,7 +19,7 @@ struct Threshold {
 /// "METRIC=VALUE" or "METHOD:METRIC=VALUE". @throws UsageError with the nearest name
 Threshold parse_threshold(const std::string& text, std::span<const CompareMethod> methods, bool animated);
 
-/// A sentence for each that does not hold. A method that failed holds none.
+/// A sentence for each that does not hold, of an animation in its worst frame. A method that failed holds none.
 std::vector<std::string> violations(const Comparison& comparison, std::span<const Threshold> thresholds);
 
 }  // namespace pelage::app

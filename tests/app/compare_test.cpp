@@ -204,9 +204,11 @@ TEST_F(Compare, RowsSayHowTheyAreDrawn) {
 }
 
 TEST_F(Compare, AnimatedComparesEveryFrame) {
-  const Result r = compare("@scene.json", {"--json", "--methods", "satf-adapted,density-map", "--frames", "2",
-                                           "--settle", "0.1", "--head", "@head.obj"});
-  const json c = json_of(r);
+  const std::vector<std::string> words{
+      "--methods", "satf-adapted,density-map", "--frames", "2", "--settle", "0.1", "--head", "@head.obj"};
+  std::vector<std::string> as_json = words;
+  as_json.emplace_back("--json");
+  const json c = json_of(compare("@scene.json", as_json));
   EXPECT_GT(c.at("flicker_noise"), 0);
   for (const auto& [id, row] : rows_of(c)) {
     ASSERT_EQ(row.at("frames").size(), 2U);
@@ -216,6 +218,12 @@ TEST_F(Compare, AnimatedComparesEveryFrame) {
     EXPECT_EQ(row["flicker"] == 0, id == "truth");
   }
   EXPECT_EQ(lines_of("out/comparison-frames.csv").size(), 7U);
+  // A threshold holds in all frames: this one lies between the two.
+  const json row = rows_of(c).at("density-map");
+  const double first = row["frames"][0]["error"]["rmse"], second = row["frames"][1]["error"]["rmse"];
+  std::vector<std::string> limited = words;
+  limited.insert(limited.end(), {"--threshold", "density-map:rmse=" + std::to_string((first + second) / 2)});
+  EXPECT_EQ(compare("@scene.json", limited).code, 3) << first << " " << second;
 }
 
 TEST_F(Compare, CtrlCLeavesTheEarlierComparison) {

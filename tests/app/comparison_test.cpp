@@ -73,6 +73,20 @@ TEST(Thresholds, AreForEveryMethodButTheTruthOrForTheOneNamed) {
   EXPECT_THAT(broken(c, "rmse=0.6"), ElementsAre(HasSubstr("unshadowed: ")));
 }
 
+TEST(Thresholds, OfAnAnimationHoldInEveryFrame) {
+  Comparison c = comparison();
+  c.fps = 30;
+  ComparedMethod& m = c.methods[1];
+  m.frames.resize(4, {m.error, 0, 1});
+  m.frames[1].error.rmse = 0.7, m.frames[1].error.psnr_db = 40;
+  m.frames[2].error.rmse = 0.8, m.frames[2].error.psnr_db = 20;
+  EXPECT_THAT(broken(c, "rmse=0.8"), IsEmpty());
+  EXPECT_THAT(broken(c, "rmse=0.75"), ElementsAre("density-map: rmse is 0.8 in frame 2, above 0.75"));
+  EXPECT_THAT(broken(c, "psnr-db=25"), ElementsAre("density-map: psnr-db is 20 in frame 2, below 25"));
+  m.frames[1].error.rmse = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(broken(c, "rmse=1e9").size(), 1U);
+}
+
 TEST(Thresholds, AreNotHeldByWhatIsNoNumberOrNoPicture) {
   Comparison c = comparison();
   c.methods[1].error.rmse = c.methods[1].error.psnr_db = std::numeric_limits<double>::quiet_NaN();
