@@ -149,6 +149,8 @@ class Run {
     std::vector<std::string> words{"--size", fmt::format("{}x{}", p.width, p.height)};
     if (!scene.camera) words.push_back(camera_option(camera_));
     for (const std::string& word : method.set(scene)) words.push_back(word);
+    const std::string& order = scene.method == Method::satf ? request_.clusters_order : request_.order;
+    if (!order.empty()) words.insert(words.end(), {"--order", order});
     if (request_.names_database && scene.method == Method::satf && scene.database.empty())
       words.insert(words.end(), {"--database", ""});
     for (const std::string& word : words) row.command += " " + shell_word(word);

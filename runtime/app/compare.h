@@ -18,6 +18,7 @@ struct CompareRequest {
   std::filesystem::path folder;        // pictures go there, each as soon as it is drawn
   std::string command;                 // that made it
   std::string row_command;             // "pelage render scene.json --light ...": what all rows share
+  std::string order, clusters_order;   // --order as given, for rows of strands and of clusters
   bool names_database = false;         // does the input name a database of its own?
   float error_scale = 0.25F;
   int frames = 0;  // animated: more than 1

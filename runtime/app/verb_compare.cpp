@@ -97,6 +97,7 @@ CompareRequest request_of(const CLI::App& verb, const CompareOptions& o) {
   request.frames = o.frames;
   request.fps = o.fps;
   request.error_scale = static_cast<float>(o.error_scale);
+  (request.scene.method == Method::satf ? request.clusters_order : request.order) = o.scene->order;
   request.command = "pelage compare" + words_of(verb, {"--json", "--progress", "--log-level"});
   request.row_command = std::string(o.frames > 1 ? "pelage simulate" : "pelage render") + words_of(verb, kNotOfRows);
   return request;

@@ -203,6 +203,13 @@ TEST_F(Compare, RowsSayHowTheyAreDrawn) {
   }
 }
 
+TEST_F(Compare, RowsGiveTheDrawingOrderWhereItIsTheirs) {
+  const auto rows = rows_of(
+      json_of(compare("@scene.json", {"--json", "--methods", "satf-adapted,unshadowed", "--order", "clusters"})));
+  EXPECT_THAT(rows.at("satf-adapted").at("command"), HasSubstr("--order clusters"));
+  EXPECT_THAT(rows.at("unshadowed").at("command"), testing::Not(HasSubstr("--order")));
+}
+
 TEST_F(Compare, AnimatedComparesEveryFrame) {
   const std::vector<std::string> words{
       "--methods", "satf-adapted,density-map", "--frames", "2", "--settle", "0.1", "--head", "@head.obj"};
