@@ -118,6 +118,12 @@ int run(CLI::App& app, int argc, char** argv) {
   }
 }
 
+/// Where a description ends in the default in brackets, the variable's own, 0 or [] for "not given", only confuses.
+void hide_stand_ins(CLI::App& verb) {
+  for (CLI::Option* const option : verb.get_options())
+    if (option->get_description().ends_with(']') || option->get_default_str() == "[]") option->default_str("");
+}
+
 }  // namespace
 
 const CommonOptions& common() noexcept {
@@ -134,6 +140,7 @@ void add_common_options(CLI::App& verb) {
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->group(group);
   verb.add_flag("--json", options.json, "Results on stdout as JSON")->group(group);
+  hide_stand_ins(verb);
 }
 
 int run_program(CLI::App& app, int argc, char** argv) {

@@ -28,6 +28,9 @@ constexpr int kWidth = 640, kHeight = 480;
 /// Leaves an RMSE of the truth's own well below that of any method.
 constexpr int kSamples = 64;
 
+/// What the methods compared differ in.
+constexpr const char* kOfMethods[] = {"--method", "--records", "--self-shadow", "--density-map"};
+
 struct CompareOptions {
   std::shared_ptr<SceneOptions> scene;
   std::shared_ptr<SimulationOptions> simulation;
@@ -39,7 +42,7 @@ struct CompareOptions {
 
 /// What the rows differ in is not for the command line, and what moves hair wants frames.
 void check_options(const CLI::App& verb) {
-  for (const char* const option : {"--method", "--records", "--self-shadow", "--density-map"})
+  for (const char* const option : kOfMethods)
     if (verb.count(option) > 0)
       throw UsageError(std::string(option) + ": the methods compared differ in it; choose among them with --methods");
   for (const char* const option : {"--preset", "--motion", "--amplitude", "--speed", "--wind", "--settle", "--vertices",
@@ -161,6 +164,7 @@ void add_compare(CLI::App& app) {
       "compare", "Draw a scene with every method and measure each against the ray-traced truth: error, time, bytes");
   auto o = std::make_shared<CompareOptions>();
   o->scene = add_scene_options(*verb);
+  for (const char* const option : kOfMethods) verb->get_option(option)->group("");  // not in --help: refused
   verb->get_option("--size")->description("Pixels, WIDTHxHEIGHT [the scene's, within 640x480]");
   verb->get_option("--samples")
       ->description(
