@@ -109,7 +109,8 @@ glm::vec3 srgb_colour(const std::string& text) {
   return {linear(rgb >> 16), linear(rgb >> 8), linear(rgb)};
 }
 
-/// What --on, --off, --auto name. "all" is every one; a name beside it wins. @throws UsageError naming the nearest
+/// What --on, --off, --auto name. "all" is every one; a name beside it wins. @throws UsageError naming the nearest,
+/// or for one that is asked to be two things
 void set_effects(const SceneOptions& o, Scene& scene) {
   const std::vector<std::string> known = effect_names(scene);
   const std::tuple<const char*, EffectState, const std::vector<std::string>&> options[] = {
@@ -120,8 +121,11 @@ void set_effects(const SceneOptions& o, Scene& scene) {
     if (std::find(names.begin(), names.end(), "all") == names.end()) continue;
     for (const std::string& each : known) scene.effects[each] = state;
   }
+  std::map<std::string, std::string> asked_by;
   for (const auto& [option, state, names] : options) {
     for (const std::string& name : names) {
+      if (const auto first = asked_by.emplace(name, option).first; first->second != option)
+        throw UsageError(name + " is named by " + first->second + " and " + option + ": give one of them");
       if (name == "all") continue;
       if (std::find(known.begin(), known.end(), name) == known.end())
         throw UsageError(std::string(option) + ": there is no effect '" + name + "'; the nearest is '" +
@@ -265,7 +269,9 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--samples", o->samples, "Rays per pixel of the truth")
       ->capture_default_str()
       ->check(CLI::Range(1, 65536));
-  verb.add_option("--off", o->effects_off, "Effects to leave out, as if their settings were zero; all: every one")
+  verb.add_option(
+          "--off", o->effects_off,
+          "Effects to leave out, as if their settings were zero; all: every one; `pelage render --explain` names them")
       ->delimiter(',');
   verb.add_option("--on", o->effects_on, "Effects to run even where the scene does not call for them; all: every one")
       ->delimiter(',');

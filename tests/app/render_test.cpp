@@ -139,6 +139,7 @@ TEST_F(Render, WrongOptionsAreUsageErrorsBeforeAnyWork) {
                   {"--material", "purple"},
                   {"--background", "#12"},
                   {"--off", "everything"},
+                  {"--off", "drift", "--on", "drift"},
                   {"--order", "none"},
                   {"--self-shadow", "x"},
                   {"--records", "none"},
