@@ -226,10 +226,10 @@ std::string stage_bars(const Comparison& comparison) {
 }
 
 std::string frame_curves(const Comparison& comparison) {
-  constexpr Chart kCharts[] = {
-      {"FLIP", "mean over the picture", [](const ComparedFrame& f) { return f.error.flip; }},
-      {"RMSE", "linear RGB", [](const ComparedFrame& f) { return f.error.rmse; }},
-      {"Flicker", "RMSE of what changes from frame to frame", [](const ComparedFrame& f) { return f.flicker; }}};
+  constexpr Chart kCharts[] = {{"FLIP", "mean over the picture", [](const ComparedFrame& f) { return f.error.flip; }},
+                               {"RMSE", "linear RGB", [](const ComparedFrame& f) { return f.error.rmse; }},
+                               {"Flicker", "RMSE of what changes from frame to frame, none in the first",
+                                [](const ComparedFrame& f) { return f.flicker; }}};
   std::string charts;
   for (const Chart& chart : kCharts) charts += chart_svg(comparison, chart);
   return charts;
