@@ -3,6 +3,7 @@
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/hair/catmull_rom.h"
 #include "pelage/reference/truth_image.h"
 #include "pelage/render/satf_frame.h"
 #include "pelage/render/strand_frame.h"
@@ -103,25 +104,39 @@ class TruthDrawing final : public Drawing {
     set(hair.strands, std::move(head));
   }
   void set_seed(std::uint64_t seed) override { seed_ = seed; }
-  Strands lines() const override { return strands_; }
+  Strands lines() const override { return lines_; }
   Mesh head() const override { return head_; }
   void move(const Strands& lines, const glm::dquat&, Mesh head) override { set(lines, std::move(head)); }
   void set(const Strands& lines, Mesh head) {
-    auto stage = ledger_.run("hierarchy");
-    scene_.reset();  // it looks at what follows
-    strands_ = lines;
+    scene_.reset();  // it looks at the head
+    lines_ = lines;
     head_ = std::move(head);
+    build();
+  }
+  void build() {
+    scene_.reset();  // it looks at what follows
+    if (smoothing_ > 1) {
+      auto stage = ledger_.run("smooth");
+      strands_ = hair::smooth(lines_, smoothing_);
+    } else {
+      strands_ = lines_;
+    }
+    auto stage = ledger_.run("hierarchy");
     scene_.emplace(strands_, opacity_, head_.triangles.empty() ? nullptr : &head_);
     bounds_ = {};
     for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
     for (const glm::vec3& p : head_.vertices) bounds_.add(p);
   }
-  HairFacts facts() const override { return {&strands_, nullptr, &head_, opacity_}; }
+  HairFacts facts() const override { return {&lines_, nullptr, &head_, opacity_}; }
   const Bounds& bounds() const override { return bounds_; }
   const StageLedger& ledger() const override { return ledger_; }
 
  private:
   Image draw(const Scene& scene, const Camera& camera) override {
+    if (scene.strands.smoothing != smoothing_) {
+      smoothing_ = scene.strands.smoothing;
+      build();
+    }
     TruthRequest request;
     request.camera = camera;
     request.width = scene.image.width;
@@ -147,9 +162,10 @@ class TruthDrawing final : public Drawing {
     throw UsageError("the truth has no frames to show");
   }
 
-  Strands strands_;
+  Strands lines_, strands_;  // as given; smoothed
   Mesh head_;
   float opacity_;
+  int smoothing_ = 1;
   std::uint64_t seed_ = 1;
   StageLedger ledger_;
   std::optional<FibreScene> scene_;

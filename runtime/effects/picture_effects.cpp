@@ -235,6 +235,7 @@ Effect smoothing() {
     return s.strands.smoothing > 1 ? "" : "strands.smoothing is 1: straight segments";
   };
   e.called_for = [](const Scene& s, const HairFacts& hair) -> Verdict {
+    if (s.method == Method::truth) return {true, "the truth leaves nothing out"};
     if (hair.strands == nullptr) return {};
     const float off_m = curve_deviation_m(*hair.strands), sample = sample_m(s, hair);
     if (!(sample > 0)) return {true, fmt::format("curves leave the segments by up to {:.2g} mm", 1e3F * off_m)};
@@ -276,7 +277,7 @@ std::vector<Effect> of_strands() {
 }
 
 std::vector<Effect> of_truth() {
-  std::vector<Effect> all{pass("geometry", {"geometry"}, {"hierarchy"}), azimuth()};
+  std::vector<Effect> all{smoothing(), pass("geometry", {"geometry"}, {"hierarchy"}, {"curves"}), azimuth()};
   for (const Lobe& lobe : kLobes) all.push_back(lobe_effect(lobe));
   all.push_back(ambient_effect());
   all.push_back(drawing({}, {"trace"}));

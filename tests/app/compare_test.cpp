@@ -203,6 +203,24 @@ TEST_F(Compare, RowsSayHowTheyAreDrawn) {
   }
 }
 
+/// Strands drawn as curves are compared with a truth of these curves.
+TEST_F(Compare, TheTruthIsOfTheSameCurves) {
+  ASSERT_EQ(
+      run(*folder_, {"groom", "--style", "curly", "--strands", "50", "--vertices", "14", "-o", "@curls.hair"}).code, 0);
+  const auto truth = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"render", "@curls.hair", "--method", "truth",
+                                   "--size", "64x64",       "--camera", "0.5,0,0.8,0,-0.05,0,30",
+                                   "-o",     "@truth.exr"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Result r = run(*folder_, words);
+    EXPECT_EQ(r.code, 0) << r.err;
+    return read_image(*folder_ / "truth.exr").rgba;
+  };
+  const auto segments = truth({}), curves = truth({"--smoothing", "8"});
+  EXPECT_NE(curves, segments);
+  EXPECT_EQ(truth({"--smoothing", "8", "--off", "smoothing"}), segments);
+}
+
 TEST_F(Compare, RowsGiveTheDrawingOrderWhereItIsTheirs) {
   const auto rows = rows_of(
       json_of(compare("@scene.json", {"--json", "--methods", "satf-adapted,unshadowed", "--order", "clusters"})));
