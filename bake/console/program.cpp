@@ -56,9 +56,13 @@ ThreadLimit limit_threads() {
                                                static_cast<std::size_t>(options.jobs));
 }
 
-/// --help shows every option's default.
+/// --help shows every option's default. Where the description ends with it in brackets, the variable's own, 0 for "not
+/// given", would only confuse; so does an empty list.
 void capture_defaults(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) option->capture_default_str();
+  for (CLI::Option* option : app.get_options()) {
+    option->capture_default_str();
+    if (option->get_description().ends_with(']') || option->get_default_str() == "[]") option->default_str("");
+  }
   for (CLI::App* verb : app.get_subcommands({})) capture_defaults(*verb);
 }
 
@@ -118,12 +122,6 @@ int run(CLI::App& app, int argc, char** argv) {
   }
 }
 
-/// Where a description ends in the default in brackets, the variable's own, 0 or [] for "not given", only confuses.
-void hide_stand_ins(CLI::App& verb) {
-  for (CLI::Option* const option : verb.get_options())
-    if (option->get_description().ends_with(']') || option->get_default_str() == "[]") option->default_str("");
-}
-
 }  // namespace
 
 const CommonOptions& common() noexcept {
@@ -140,7 +138,6 @@ void add_common_options(CLI::App& verb) {
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->group(group);
   verb.add_flag("--json", options.json, "Results on stdout as JSON")->group(group);
-  hide_stand_ins(verb);
 }
 
 int run_program(CLI::App& app, int argc, char** argv) {
