@@ -34,10 +34,11 @@ class Compare : public ::testing::Test {
 
   static Result compare(const std::string& input, std::vector<std::string> more,
                         std::vector<std::string> environment = {}) {
-    std::vector<std::string> all{"compare",    input, "-o", "@out", "--size",     "96x96",
-                                 "--clusters", "20",  "-j", "2",    "--progress", "never"};
-    if (std::find(more.begin(), more.end(), "--samples") == more.end())
-      all.insert(all.end(), {"--samples", "8", "--supersampling", "1"});
+    std::vector<std::string> all{"compare", input, "-o", "@out"};
+    for (const auto& [option, value] :
+         {std::pair("--size", "96x96"), std::pair("--samples", "8"), std::pair("--supersampling", "1"),
+          std::pair("--clusters", "20"), std::pair("-j", "2"), std::pair("--progress", "never")})
+      if (std::find(more.begin(), more.end(), option) == more.end()) all.insert(all.end(), {option, value});
     all.insert(all.end(), more.begin(), more.end());
     return run(*folder_, all, std::move(environment));
   }
@@ -249,6 +250,49 @@ TEST_F(Compare, AnimatedComparesEveryFrame) {
   std::vector<std::string> limited = words;
   limited.insert(limited.end(), {"--threshold", "density-map:rmse=" + std::to_string((first + second) / 2)});
   EXPECT_EQ(compare("@scene.json", limited).code, 3) << first << " " << second;
+}
+
+/// Of hair that moves far: figures of one frame against another's truth, and changes the wrong way round, are larger
+/// than any method's error.
+TEST_F(Compare, FramesAreComparedWithTheirOwnTruth) {
+  const json c = json_of(compare("@scene.json", {"--json", "--methods", "density-map", "--frames", "3", "--fps", "5",
+                                                 "--settle", "0.1", "--motion", "shake", "--size", "64x64"}));
+  const json row = rows_of(c).at("density-map");
+  const double first = row["frames"][0]["error"]["rmse"];
+  for (const json& frame : row["frames"]) {
+    EXPECT_LT(frame.at("error").at("rmse"), 1.3 * first);
+    EXPECT_LT(frame.at("flicker"), 1.5 * first);
+  }
+  EXPECT_NE(row["frames"][1]["error"], row["frames"][0]["error"]);
+}
+
+/// Without what clocks say.
+json timeless(json c) {
+  for (const char* const key : {"command", "threads"}) c.erase(key);
+  for (json& m : c.at("methods")) {
+    for (const char* const key : {"prepare_ms", "first_ms", "again_ms"}) m.erase(key);
+    for (json& stage : m.at("stages")) stage.erase("ms");
+  }
+  return c;
+}
+
+TEST_F(Compare, IsTheSameForAnyNumberOfThreadsAndEveryTime) {
+  json first;
+  std::map<std::string, std::vector<float>> pictures;
+  for (const char* const threads : {"1", "1", "2", "3"}) {
+    const json c = json_of(compare("@scene.json", {"--json", "--methods", "satf-adapted,density-map,deep-opacity", "-j",
+                                                   threads, "--size", "40x40", "--samples", "7"}));
+    EXPECT_EQ(c.at("truth_samples"), 8) << "halves are of one size";
+    if (first.is_null()) first = timeless(c);
+    EXPECT_EQ(timeless(c), first) << threads << " threads";
+    for (const json& m : c.at("methods"))
+      for (const char* const suffix : {".png", ".exr", "-error.png", "-flip.png"}) {
+        const std::string name = m.at("id").get<std::string>() + suffix;
+        const auto known = pictures.emplace(name, read_image(*folder_ / ("out/" + name)).rgba).first;
+        EXPECT_EQ(known->second, read_image(*folder_ / ("out/" + name)).rgba) << name << ", " << threads;
+      }
+  }
+  EXPECT_EQ(pictures.size(), 16U);
 }
 
 TEST_F(Compare, CtrlCLeavesTheEarlierComparison) {
