@@ -39,6 +39,29 @@ TEST(ErrorMap, SignsDifferInColour) {
   EXPECT_GT(at(.3F).z, at(.3F).x + .2F);  // darker: blue
   EXPECT_GT(at(.7F).x, at(.7F).z + .2F);  // brighter: red
   EXPECT_NEAR(at(.5F).x, at(.5F).z, .01F);
+  expect_colour(at(.625F), .5F * (at(.5F) + at(.75F)));  // half of the scale
+  expect_colour(at(.75F), at(9));
+}
+
+/// Dark of a row of pixels and all below.
+float ink(const Image& image, int left, int right, int top) {
+  float sum = 0;
+  for (int y = top; y < image.height; ++y)
+    for (int x = left; x < right; ++x) sum += 1 - encoded(image, x, y).x;
+  return sum;
+}
+
+TEST(ErrorMap, NumbersOfTheBarAreThoseOfItsScale) {
+  const auto middle_of = [](float scale, ErrorSign sign) {
+    const Image map = error_map(noise(300, 4, 1), noise(300, 4, 1), scale, sign);
+    return ink(map, 110, 190, 4 + 18);
+  };
+  // 1 is half of 2, 0 is the middle of any scale with signs.
+  Image paper = constant(300, 40, {1, 1, 1});
+  draw::text(paper, {150, 20}, "1", 13, {.1F, .1F, .12F});
+  EXPECT_NEAR(middle_of(2, ErrorSign::absolute), ink(paper, 0, 300, 0), 1.0F);
+  EXPECT_EQ(middle_of(2, ErrorSign::with_sign), middle_of(4, ErrorSign::with_sign));
+  EXPECT_NE(middle_of(2, ErrorSign::absolute), middle_of(4, ErrorSign::absolute));
 }
 
 TEST(ErrorMap, HasABarWithTheColoursOfItsScale) {

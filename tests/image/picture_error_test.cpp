@@ -49,6 +49,8 @@ TEST(PictureError, OfOneChannelOfOnePixel) {
   EXPECT_DOUBLE_EQ(e.max, .5);
   EXPECT_DOUBLE_EQ(e.rmse, .5 / std::sqrt(24));
   EXPECT_DOUBLE_EQ(e.bias, .5 / 24);
+  picture.pixel(2, 0)[0] = -.75F;  // in a row before
+  EXPECT_DOUBLE_EQ(error_of(picture, truth).max, 1);
 }
 
 TEST(PictureError, DoesNotKnowWhichIsWhichBesidesItsSign) {
