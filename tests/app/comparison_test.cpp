@@ -114,12 +114,13 @@ TEST(ComparisonFiles, CsvHasEachFigureUnderItsName) {
   Comparison c = comparison();
   c.fps = 30;
   c.methods.push_back(method("deep-opacity"));
-  c.methods[2].failed = "two\nlines";
+  c.methods[2].failed = "two, \"parts\"";
   const std::string csv = comparison_csv(c);
   EXPECT_THAT(csv, HasSubstr(R"("Title, ""quoted""")")) << "[RFC 4180]";
-  EXPECT_THAT(csv, HasSubstr("\"two\nlines\"\r\n"));
+  EXPECT_THAT(csv, HasSubstr("\"two, \"\"parts\"\"\"\r\n"));
   const auto names = fields_of_line(csv, 0), truth = fields_of_line(csv, 1), fields = fields_of_line(csv, 2);
   ASSERT_EQ(fields.size(), names.size());
+  EXPECT_EQ(fields_of_line(csv, 3).size(), names.size()) << "nothing but a reason";
   std::map<std::string, std::string> by_name;
   for (std::size_t i = 0; i < names.size(); ++i) by_name[names[i]] = fields[i];
   const std::map<std::string, std::string> wanted{

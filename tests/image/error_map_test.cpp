@@ -59,7 +59,7 @@ TEST(ErrorMap, NumbersOfTheBarAreThoseOfItsScale) {
   // 1 is half of 2, 0 is the middle of any scale with signs.
   Image paper = constant(300, 40, {1, 1, 1});
   draw::text(paper, {150, 20}, "1", 13, {.1F, .1F, .12F});
-  EXPECT_NEAR(middle_of(2, ErrorSign::absolute), ink(paper, 0, 300, 0), 1.0F);
+  EXPECT_NEAR(middle_of(2, ErrorSign::absolute), ink(paper, 0, 300, 0), 0.01F);
   EXPECT_EQ(middle_of(2, ErrorSign::with_sign), middle_of(4, ErrorSign::with_sign));
   EXPECT_NE(middle_of(2, ErrorSign::absolute), middle_of(4, ErrorSign::absolute));
 }
