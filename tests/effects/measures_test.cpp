@@ -158,14 +158,13 @@ TEST(Measures, ASharpBendMayShadeItself) {
   EXPECT_FALSE(may_shade(arc(0.4F, 0.05F), {0.1F, 0.2F, 1}));
 }
 
-/// The light sees the arms of half a turn 2.1 cm apart where they are nearest: they are 1 cm wide to either side,
+/// The light sees the arms of half a turn 9 mm apart where they are nearest: they are 6 mm wide to either side,
 /// whichever of the section's axes that is.
 TEST(Measures, ArmsThatOverlapByTheirRimsMayShadeEachOther) {
   Hairstyle style = arc(3.1F, 0.01F);
-  const glm::vec3 light{1, 0, 0.504F};
-  EXPECT_TRUE(may_shade(style, light));
+  const glm::vec3 light{1, 0, 0.577F};
   for (const float theta : {0.0F, 1.5707963F}) {
-    style.clusters[0].cross_sections.assign(4, cross_section({0.012F, 0.001F, theta}));
+    style.clusters[0].cross_sections.assign(4, cross_section({0.006F, 0.0005F, theta}));
     EXPECT_TRUE(may_shade(style, light)) << theta;
     style.clusters[0].cross_sections.assign(4, cross_section({0.002F, 0.001F, theta}));
     EXPECT_FALSE(may_shade(style, light)) << theta;

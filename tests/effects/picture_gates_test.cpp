@@ -139,7 +139,9 @@ TEST(PictureGates, PlacedClustersMayBeAtThePointLight) {
   lit.scene.material.secondary = 1e-4F;
   lit.scene.lights.assign(1, test::light_at({0, 90, 0}));
   EXPECT_FALSE(lit.plan().runs("secondary-highlight"));
-  lit.style.clusters[0].transforms.resize(1);
+  lit.style.clusters.push_back(lit.style.clusters[0]);
+  EXPECT_FALSE(lit.plan().runs("secondary-highlight"));
+  lit.style.clusters[1].transforms.resize(1);
   EXPECT_TRUE(lit.plan().runs("secondary-highlight"));
 }
 
