@@ -1,4 +1,5 @@
 #include "pelage/app/compare.h"
+#include "pelage/app/stopwatch.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -31,10 +32,6 @@ using Clock = std::chrono::steady_clock;
 constexpr float kTurn_rad = 0.0175F;
 /// Pictures of the truth that are kept for all methods take no more.
 constexpr double kMostBytes = 4e9;
-
-double ms_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
 
 std::string cpu_name() {
   std::ifstream in("/proc/cpuinfo");

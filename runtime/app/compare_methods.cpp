@@ -104,7 +104,12 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
                  Method::deep_opacity),
       strand_row("opacity-shadow", "Opacity shadow maps", "Strands as ribbons; slices evenly through the box.",
                  Method::opacity_shadow),
-      strand_row("unshadowed", "No shadow", "Strands as ribbons, lit as if alone.", Method::unshadowed)};
+      strand_row(
+          "unshadowed", "No shadow",
+          "Strands as ribbons, lit as if alone. With light from the front this may come nearer to the truth than "
+          "shadows do: its missing shadow makes up for the light around fibres, which all strand methods but "
+          "density-map-azimuth lack.",
+          Method::unshadowed)};
 }
 
 std::vector<CompareMethod> chosen_methods(const std::string& database, std::span<const std::string> ids) {

@@ -1,4 +1,5 @@
 #include "pelage/app/compared_truth.h"
+#include "pelage/app/stopwatch.h"
 
 #include <chrono>
 #include <cmath>
@@ -22,10 +23,6 @@ Image mean_of(const Image& a, const Image& b) {
   Image mean(a.width, a.height);
   for (std::size_t i = 0; i < mean.rgba.size(); ++i) mean.rgba[i] = 0.5F * (a.rgba[i] + b.rgba[i]);
   return mean;
-}
-
-double ms_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 struct Halves {
@@ -74,6 +71,8 @@ ComparedTruth draw_truth(Drawing& drawing, const Scene& scene, const Camera& cam
     if (k == 0) {
       note_costs(drawing, truth);
       truth.noise = halved(picture_error(now.a, now.b, truth.frames[0].alpha));
+      // Not the halves' own difference, which may be anything: the standard error of a mean over independent pixels.
+      truth.noise.bias = truth.noise.rmse / std::sqrt(static_cast<double>(now.a.width) * now.a.height);
       truth.half = now.a;
     } else {
       squares += std::pow(0.5 * flicker(now.a, last.a, now.b, last.b), 2);

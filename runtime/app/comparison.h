@@ -50,7 +50,7 @@ struct Comparison {
   float error_scale = 0.25F;  // the error map's end: this error of linear luminance and more
   int truth_samples = 0;      // per pixel
   /// What the truth's own noise does to the figures: error of one half of its samples against the other, halved
-  /// (RMSE and FLIP; bias is that of the halves).
+  /// (RMSE and FLIP); bias: the standard error of a mean over independent pixels.
   PictureError truth_noise;
   double flicker_noise = 0;             // the same of flicker: what an exact method would show
   std::vector<ComparedMethod> methods;  // the truth first

@@ -40,7 +40,8 @@ constexpr Column kColumns[] = {
      Best::least, true, false, [](const ComparedMethod& m) { return m.error.rmse_covered; },
      [](const Comparison& c) { return c.truth_noise.rmse_covered; }},
     {"bias", "bias", "mean of picture \u2212 truth, linear RGB: below 0 is too dark", 4, Best::nearest_zero, true,
-     false, [](const ComparedMethod& m) { return m.error.bias; }},
+     false, [](const ComparedMethod& m) { return m.error.bias; },
+     [](const Comparison& c) { return c.truth_noise.bias; }},
     {"rel-mse", "relMSE", "mean of (picture \u2212 truth)\u00B2 / (truth\u00B2 + 0.01), linear RGB", 4, Best::least,
      true, false, [](const ComparedMethod& m) { return m.error.rel_mse; }},
     {"psnr", "PSNR dB", "10 log\u2081\u2080 (1 / MSE) of sRGB values in [0, 1]", 1, Best::most, true, false,
@@ -106,7 +107,7 @@ std::string cell(const Comparison& comparison, const Column& column, const Compa
   }
   const std::string text = text_of(column, value);
   const bool is_best = text == best && !is_truth(comparison, method);
-  const bool is_noise = column.noise != nullptr && value <= column.noise(comparison);
+  const bool is_noise = column.noise != nullptr && std::abs(value) <= column.noise(comparison);
   return fmt::format(R"(<td data-value="{}"{}>{}{}{}</td>)", sort_value(value),
                      is_best    ? R"( class="best")"
                      : is_noise ? R"( class="noise")"
@@ -212,14 +213,11 @@ std::string summary(const Comparison& comparison) {
 std::string noise(const Comparison& comparison) {
   const PictureError& n = comparison.truth_noise;
   return fmt::format(
-      "<p class=\"note\"><b>The truth has noise of its own:</b> RMSE {}, FLIP {}, bias {}{} (one half of its {} "
-      "samples "
-      "a "
-      "pixel against the other, halved; the bias is that of the halves). A figure not above that (marked ~) says "
-      "nothing "
-      "about the method, and neither does a difference between two methods that is smaller; more samples lower "
-      "it.</p>",
-      number(n.rmse, 4), number(n.flip, 4), number(n.bias, 4, true),
+      R"(<p class="note"><b>The truth has noise of its own:</b> RMSE {}, FLIP {}, bias ±{}{} )"
+      "(one half of its {} samples a pixel against the other, halved; the bias by the number of pixels). A figure not "
+      "above that (marked ~) says nothing about the method, and neither does a difference between two methods that is "
+      "smaller; more samples lower it.</p>",
+      number(n.rmse, 4), number(n.flip, 4), number(n.bias, 5),
       comparison.fps > 0 ? ", flicker " + number(comparison.flicker_noise, 4) : "", comparison.truth_samples);
 }
 

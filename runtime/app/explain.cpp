@@ -169,6 +169,7 @@ nlohmann::ordered_json json_of(const std::vector<LedgerLine>& ledger) {
 
 void print_ledger(const std::vector<LedgerLine>& ledger) {
   const bool motion = std::any_of(ledger.begin(), ledger.end(), [](const LedgerLine& l) { return l.moves_mm; });
+  if (motion) std::printf("ms and MiB: of a frame on average; calls: of the whole sequence\n");
   std::printf("%-20s %-5s %-4s %9s %8s %6s %9s %9s %s %s\n", "effect", "asked", "runs", "ms", "MiB", "calls",
               "saves ms", "RMSE", motion ? " moves mm" : "", "why");
   for (const LedgerLine& l : ledger) {

@@ -10,6 +10,7 @@
 #include "pelage/app/comparison_files.h"
 #include "pelage/app/comparison_page.h"
 #include "pelage/app/drawing.h"
+#include "pelage/app/output_folder.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
@@ -106,14 +107,6 @@ CompareRequest request_of(const CLI::App& verb, const CompareOptions& o) {
   return request;
 }
 
-/// @throws OutputError before any work where it cannot be written into
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directory(folder, error);
-  if (error) throw OutputError(folder.string(), error.message() + ": give a folder, or the name of one to be made");
-  check_writable(folder / "comparison.json");
-}
-
 void print_table(const Comparison& c) {
   const bool animated = c.fps > 0;
   std::printf("%s, %d x %d; truth: %d rays per pixel, its own error: RMSE %.5f, FLIP %.4f\n", c.name.c_str(), c.width,
@@ -140,7 +133,7 @@ void run(const CLI::App& verb, const CompareOptions& o) {
   std::vector<Threshold> thresholds;
   for (const std::string& text : o.thresholds)
     thresholds.push_back(parse_threshold(text, request.methods, request.frames > 1));
-  make_folder(o.out);
+  make_folder(o.out, "comparison.json");
   std::optional<HeadlessContext> context;
   if (request.methods.size() > 1) context.emplace();  // all but the truth
   const Comparison comparison = compare(request);

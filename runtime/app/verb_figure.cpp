@@ -146,9 +146,12 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
   if (verb.count("--size") == 0) scene.image.width = 420, scene.image.height = 480;
   if (verb.count("--samples") == 0) scene.truth.samples = 36;
   if (scene.hair.empty()) {
-    // Light hair, lit from the side: what shadows do shows best.
-    if (verb.count("--material") == 0) scene.material = material_preset("blond");
-    if (verb.count("--light") + verb.count("--point-light") == 0) scene.lights[0].direction = {0.8F, 0.7F, 0.2F};
+    // Light hair, lit from the side: what shadows do shows best. Highlights want hair with a colour, lit from where it
+    // is seen.
+    const bool highlights = name == "ablations" || name == "head";
+    if (verb.count("--material") == 0) scene.material = material_preset(highlights ? "red" : "blond");
+    if (verb.count("--light") + verb.count("--point-light") == 0)
+      scene.lights[0].direction = highlights ? glm::vec3(0.1F, 0.3F, 1) : glm::vec3(0.8F, 0.7F, 0.2F);
   }
   const HeadlessContext context;
   write_image(figure->second(scene), out, {{"Software", "pelage"}, {"pelage:scene", to_json(scene)}});

@@ -11,10 +11,12 @@
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain_motion.h"
 #include "pelage/app/motion_bounds.h"
+#include "pelage/app/output_folder.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/prepare.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
+#include "pelage/app/stopwatch.h"
 #include "pelage/app/verbs.h"
 #include "pelage/app/video.h"
 #include "pelage/console/json_output.h"
@@ -50,15 +52,6 @@ void warn_of_older(const std::filesystem::path& folder, int frames, const char* 
   if (folder.empty()) return;
   const std::string next = numbered(folder, frames, extension);
   if (std::filesystem::exists(next)) spdlog::warn("{} and what follows are of an earlier, longer sequence", next);
-}
-
-/// @throws OutputError where a folder cannot be made or written into
-void make_folder(const std::filesystem::path& folder, const std::string& first_file) {
-  if (folder.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directory(folder, error);
-  if (error) throw OutputError(folder.string(), error.message() + ": give a folder, or the name of one to be made");
-  check_writable(first_file);
 }
 
 /// Times of all frames, summed by stage.
@@ -166,8 +159,7 @@ class Sequence {
     Image image = drawing_->render(scene_, camera_);
     for (const Stage& s : drawing_->ledger().stages()) totals_.add(s.name, s.milliseconds);
     write_picture(std::move(image), scene_, numbered(options_.out, k, ".png"));
-    totals_.add("(draw, write)",
-                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    totals_.add("(draw, write)", ms_since(begin));
   }
 
   const SimulateOptions& options_;
@@ -216,8 +208,8 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
   if (scene.method == Method::satf && pictures && !options.hair_out.empty())
     throw UsageError("method satf moves clusters, not strands: give --hair-out without -o, or another --method");
   if (!options.video.empty()) check_video(options.video);
-  make_folder(options.out, numbered(options.out, 0, ".png"));
-  make_folder(options.hair_out, numbered(options.hair_out, 0, ".hair"));
+  make_folder(options.out, "frame_0000.png");
+  make_folder(options.hair_out, "frame_0000.hair");
   std::optional<HeadlessContext> context;
   if (pictures && needs_opengl(scene.method)) context.emplace();
   Sequence sequence(options, scene);

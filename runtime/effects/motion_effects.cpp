@@ -213,8 +213,8 @@ Effect sleep() {
       of_amount("sleep", {"life.sleep_m_s", [](SimulationSettings& s) -> float& { return s.life.sleep_m_s; }}, nullptr);
   e.called_for = [](const Scene& s, const HairFacts&) -> Verdict {
     if (s.simulation.wind.velocity_m_s != glm::vec3(0)) return {false, "with wind nothing sleeps"};
-    return {true, fmt::format("strands slower than {} mm/s for {} s are left alone", 1e3F * s.simulation.life.sleep_m_s,
-                              s.simulation.life.sleep_after_s)};
+    return {true, fmt::format("strands slower than {} mm/s for {} s rest, within 5 mm of where they would be",
+                              1e3F * s.simulation.life.sleep_m_s, s.simulation.life.sleep_after_s)};
   };
   return e;
 }

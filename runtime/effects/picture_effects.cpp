@@ -276,8 +276,19 @@ std::vector<Effect> of_strands() {
   return all;
 }
 
+/// What is traced whatever is asked: methods are compared with hair in its own shadow.
+Effect true_shadow() {
+  Effect e = pass("self-shadow", {"transmittance", kResult}, {});
+  e.needs = {"geometry"};
+  e.called_for = [](const Scene&, const HairFacts&) {
+    return Verdict{true, "the truth keeps its shadows, whatever is asked of the methods"};
+  };
+  return e;
+}
+
 std::vector<Effect> of_truth() {
-  std::vector<Effect> all{smoothing(), pass("geometry", {"geometry"}, {"hierarchy"}, {"curves"}), azimuth()};
+  std::vector<Effect> all{smoothing(), pass("geometry", {"geometry"}, {"hierarchy"}, {"curves"}), true_shadow(),
+                          azimuth()};
   for (const Lobe& lobe : kLobes) all.push_back(lobe_effect(lobe));
   all.push_back(ambient_effect());
   all.push_back(drawing({}, {"trace"}));
