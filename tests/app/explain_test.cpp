@@ -214,8 +214,12 @@ TEST_F(ExplainedMotion, WhatIsLostIsTheDistanceOfTheDrawnHair) {
 }
 
 TEST_F(ExplainedMotion, WhatIsOffIsNotCalled) {
+  scene_.simulation.wind.velocity_m_s = {3, 0, 0};  // wind that nothing shelters from is applied without a grid
+  scene_.simulation.wind.shelter = 0;
+  const std::vector<LedgerLine> with = explain();
   for (const char* const name : {"friction", "repulsion"}) scene_.effects[name] = EffectState::off;
   const std::vector<LedgerLine> ledger = explain();
+  EXPECT_EQ(row(ledger, "chains").bytes, row(with, "chains").bytes);
   EXPECT_FALSE(row(ledger, "voxel-grid").runs);
   EXPECT_EQ(row(ledger, "voxel-grid").calls, 0U);
   EXPECT_EQ(row(ledger, "voxel-grid").bytes, 0U);

@@ -56,12 +56,12 @@ TEST(ErrorMap, NumbersOfTheBarAreThoseOfItsScale) {
     const Image map = error_map(noise(300, 4, 1), noise(300, 4, 1), scale, sign);
     return ink(map, 110, 190, 4 + 18);
   };
-  // 1 is half of 2, 0 is the middle of any scale with signs.
+  // 4 is half of 8, 0 is the middle of any scale with signs.
   Image paper = constant(300, 40, {1, 1, 1});
-  draw::text(paper, {150, 20}, "1", 13, {.1F, .1F, .12F});
-  EXPECT_NEAR(middle_of(2, ErrorSign::absolute), ink(paper, 0, 300, 0), 0.01F);
+  draw::text(paper, {150, 20}, "4", 13, {.1F, .1F, .12F});
+  EXPECT_NEAR(middle_of(8, ErrorSign::absolute), ink(paper, 0, 300, 0), 0.01F);
   EXPECT_EQ(middle_of(2, ErrorSign::with_sign), middle_of(4, ErrorSign::with_sign));
-  EXPECT_NE(middle_of(2, ErrorSign::absolute), middle_of(4, ErrorSign::absolute));
+  EXPECT_NE(middle_of(8, ErrorSign::absolute), middle_of(4, ErrorSign::absolute));
 }
 
 TEST(ErrorMap, HasABarWithTheColoursOfItsScale) {
