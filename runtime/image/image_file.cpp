@@ -30,6 +30,8 @@ void write_image(const Image& image, const std::filesystem::path& file,
   OIIO::ImageSpec spec(image.width, image.height, 4, png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::HALF);
   if (png) spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
+  // The same picture, the same bytes: left alone, OpenImageIO writes the time of day into EXR files.
+  spec.attribute("DateTime", "1970:01:01 00:00:00");
   for (const auto& [name, value] : attributes) spec.attribute(name, value);
   bool good = writer != nullptr && writer->set_ioproxy(&memory) && writer->open(file.filename().string(), spec);
   if (good && png) {

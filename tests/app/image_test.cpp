@@ -1,4 +1,5 @@
 // Pictures on disk, tone and background.
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -25,6 +26,17 @@ Image gradient() {
     }
   }
   return image;
+}
+
+TEST(ImageFile, HoldsNoTimeOfDay) {
+  const test::TemporaryFolder folder;
+  for (const char* const name : {"a.exr", "a.png"}) {
+    write_image(Image(3, 2), folder / name, {});
+    const auto file = OIIO::ImageInput::open((folder / name).string());
+    ASSERT_TRUE(file);
+    const std::string date(file->spec().get_string_attribute("DateTime"));
+    EXPECT_TRUE(date.empty() || date == "1970:01:01 00:00:00") << name << ": " << date;
+  }
 }
 
 TEST(ImageFile, ExrKeepsHalfFloats) {
