@@ -87,6 +87,14 @@ Extent extent_of(std::span<const glm::vec3> points) noexcept {
   return box;
 }
 
+Extent extent_of(const Cluster& cluster) noexcept {
+  float most = 0;
+  for (const CrossSection& s : cluster.cross_sections) most = std::max(most, radius_m(s));
+  Extent box = extent_of(std::span<const glm::vec3>(cluster.centre_line));
+  box.low -= most, box.high += most;
+  return box;
+}
+
 bool strands_can_meet(const Strands& strands, float near_m) {
   std::vector<Reach> all;
   for (std::size_t s = 0; s < strands.count(); ++s) {

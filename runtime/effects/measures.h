@@ -18,6 +18,8 @@ struct Extent {
   float distance_m(glm::vec3 p) const noexcept;
 };
 Extent extent_of(std::span<const glm::vec3> points) noexcept;
+/// Of its envelope, untransformed: B-splines lie within their control points' hull.
+Extent extent_of(const Cluster& cluster) noexcept;
 
 /// Can two strands ever come within `near_m` of each other, however they move about roots that keep their distances?
 /// Conservative: of boxes around roots, as wide as the strands are long.

@@ -29,7 +29,7 @@ Extent hair_extent(const HairFacts& hair) {
   if (hair.style == nullptr) return box;
   for (const Cluster& c : hair.style->clusters) {
     if (!c.transforms.empty()) return {};
-    const Extent part = extent_of(c.centre_line);
+    const Extent part = extent_of(c);
     box.low = glm::min(box.low, part.low), box.high = glm::max(box.high, part.high);
   }
   return box;

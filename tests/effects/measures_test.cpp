@@ -121,6 +121,16 @@ TEST(Measures, ReachGoesAllAlongACapsuleAndItsMargin) {
   EXPECT_NEAR(out_of_reach_m(s, Extent{{1, -1, -1}, {2, 1, 1}}, 0.1F), 1 - 0.1F - 0.2F, 1e-6F);
 }
 
+TEST(Measures, AClusterReachesToItsEnvelope) {
+  Cluster c;
+  c.centre_line = {{0, 0, 0}, {0, -0.1F, 0}, {0, -0.2F, 0}, {0, -0.3F, 0}};
+  c.cross_sections.assign(4, cross_section({0.03F, 0.01F, 0.7F}));
+  const Extent box = extent_of(c);
+  EXPECT_EQ(box.distance_m({0.02F, -0.1F, 0}), 0);  // a light in the hair, beside its centre line
+  EXPECT_NEAR(box.distance_m({1, -0.1F, 0}), 1, 0.035F);
+  EXPECT_LE(box.distance_m({1, -0.1F, 0}), 1 - 0.03F);
+}
+
 /// A cluster along an arc that turns by `turn_rad` in all, of `radius_m`, 20 cm long.
 Hairstyle arc(float turn_rad, float radius_m) {
   Cluster c;
