@@ -137,12 +137,13 @@ std::string allowed(const json& schema) {
   return "an array of " + count + " values, each " + allowed(schema["items"]);
 }
 
-/// Is the key one of those that the schema describes by a pattern?
-bool has_pattern(const json& schema, const std::string& key) {
-  if (!schema.contains("patternProperties")) return false;
-  for (const auto& [pattern, value] : schema["patternProperties"].items())
-    if (std::regex_search(key, std::regex(pattern))) return true;
-  return false;
+/// What the schema says of a key, by its name or by a pattern; null where it does not know it.
+const json* node_of(const json& schema, const std::string& key) {
+  if (const auto named = schema["properties"].find(key); named != schema["properties"].end()) return &*named;
+  if (!schema.contains("patternProperties")) return nullptr;
+  for (const auto& [pattern, node] : schema["patternProperties"].items())
+    if (std::regex_search(key, std::regex(pattern))) return &node;
+  return nullptr;
 }
 
 /// One walk's state: throws at the first key that is unknown or missing.
@@ -155,7 +156,7 @@ struct KeyWalk {
 
   void unknown(const json& object, const json& schema, const Pointer& at) const {
     for (const auto& [key, value] : object.items())
-      if (!schema["properties"].contains(key) && !has_pattern(schema, key)) {
+      if (node_of(schema, key) == nullptr) {
         const std::vector<std::string> keys = known_keys(schema);
         refuse(at, "unknown key " + shown(key) + "; the nearest known key is " + quoted(nearest_word(key, keys)));
       }
@@ -185,7 +186,7 @@ struct KeyWalk {
       unknown(value, schema, at);
       missing(value, schema, at);
       exactly_one(value, schema, at);
-      for (const auto& [key, child] : value.items()) walk(child, schema["properties"][key], at / key);
+      for (const auto& [key, child] : value.items()) walk(child, *node_of(schema, key), at / key);
     }
     if (value.is_array() && schema.contains("items") && may_hold_keys(schema["items"]))
       for (std::size_t i = 0; i < value.size(); ++i) walk(value[i], schema["items"], at / i);
@@ -212,7 +213,7 @@ Place find(const std::vector<std::string>& context, const json& document, const 
     const bool is_array = place.value->is_array();
     place.at /= token;
     place.value = is_array ? &place.value->at(std::stoul(token)) : &place.value->at(token);
-    place.schema = is_array ? &place.schema->at("items") : &place.schema->at("properties").at(token);
+    place.schema = is_array ? &place.schema->at("items") : node_of(*place.schema, token);
   }
   return place;
 }

@@ -65,6 +65,8 @@ TEST(SceneJson, EffectsThatDoNotExistAreRefused) {
   EXPECT_THAT(message(R"({"capsule-x": "on"})"), HasSubstr("capsule-x"));
   EXPECT_THAT(message(R"({"friction": "maybe"})"), HasSubstr("friction"));
   EXPECT_THAT(message(R"({"capsule-0": "off"})"), HasSubstr("has 0 capsules"));
+  EXPECT_THAT(message(R"({"capsule-0": "maybe"})"), HasSubstr("/effects/capsule-0 is \"maybe\"; allowed: "));
+  EXPECT_THAT(message(R"({"capsule-0": {"a": 1}})"), HasSubstr("/effects/capsule-0"));
 }
 
 TEST(SceneJson, DocumentedDefaultsAreTheDefaults) {
