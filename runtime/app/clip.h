@@ -23,10 +23,8 @@ class Clip {
   void advance(int frame);
 
   int frames() const noexcept { return frames_; }
-  double fps() const noexcept { return fps_; }
   MovingHair& hair() noexcept { return hair_; }
   const MovingHair& hair() const noexcept { return hair_; }
-  const SimulationSettings& settings() const noexcept { return settings_; }
   /// Of the last frame [m/s].
   float fastest_m_s() const noexcept { return fastest_m_s_; }
   float fastest_root_m_s() const noexcept { return fastest_root_m_s_; }

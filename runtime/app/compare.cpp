@@ -1,5 +1,4 @@
 #include "pelage/app/compare.h"
-#include "pelage/app/stopwatch.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -15,6 +14,7 @@
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/simulation_options.h"
+#include "pelage/app/stopwatch.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"

@@ -1,9 +1,9 @@
 #include "pelage/app/compared_truth.h"
-#include "pelage/app/stopwatch.h"
 
 #include <chrono>
 #include <cmath>
 
+#include "pelage/app/stopwatch.h"
 #include "pelage/image/tone.h"
 
 namespace pelage::app {

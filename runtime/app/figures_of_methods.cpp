@@ -1,4 +1,4 @@
-// [Xu2006 Figs. 4, 5] Z. Xu, X. D. Yang: hair rendered by Scheuermann's algorithm and by SATF, with effects left out.
+// [Xu2006 Figs. 4, 5]: hair rendered by Scheuermann's algorithm and by SATF, with effects left out.
 // Scheuermann's algorithm as section 7 there tells it apart: both highlights, the second one shifted, but neither
 // reflectance that changes with where hair, eye and light are, nor shadow. Here: strands with Scheuermann's lobes, lit
 // as if alone. The paper shows no truth and measures nothing; these do.

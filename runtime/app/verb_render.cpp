@@ -83,7 +83,7 @@ void add_render(CLI::App& app) {
   verb->add_flag(
       "--explain", options->explain,
       "Print the ledger: each effect, whether it runs and why, its cost, and how far the picture is from one "
-      "with it switched over (a picture more for each)");
+      "with it switched over (four pictures more for each)");
   console::add_common_options(*verb);
   verb->callback([verb, options] { render(*verb, *options); });
 }

@@ -49,7 +49,6 @@ enum class Task { picture, motion };
 
 struct Effect {
   std::string name;
-  Task task = Task::picture;
   bool pass = false;
   std::vector<std::string> needs;     // cannot run without any of these
   std::vector<std::string> uses;      // takes them where they are

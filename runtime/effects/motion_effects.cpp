@@ -247,7 +247,6 @@ std::vector<Effect> motion_effects(const Scene& scene) {
   all.push_back(of_amount("speed-cap", PELAGE_AMOUNT(life.max_speed_m_s), always("faster vertices are held back")));
   all.push_back(sleep());
   all.push_back(always_run("strands", {"strands"}, "what is drawn, from what is simulated"));
-  for (Effect& e : all) e.task = Task::motion;
   return all;
 }
 

@@ -199,9 +199,7 @@ Effect strand_shadow() {
     return s.method == Method::unshadowed ? std::string("method unshadowed has none") : unlit(s);
   };
   e.called_for = judge_shadow;
-  e.leave_out = [](Scene& s) {
-    if (s.method != Method::truth) s.method = Method::unshadowed;
-  };
+  e.leave_out = [](Scene& s) { s.method = Method::unshadowed; };
   return e;
 }
 
@@ -380,11 +378,8 @@ std::vector<Effect> of_satf(const SatfSettings& satf) {
 }  // namespace
 
 std::vector<Effect> picture_effects(const Scene& scene) {
-  std::vector<Effect> all = scene.method == Method::satf    ? of_satf(scene.satf)
-                            : scene.method == Method::truth ? of_truth()
-                                                            : of_strands();
-  for (Effect& e : all) e.task = Task::picture;
-  return all;
+  if (scene.method == Method::satf) return of_satf(scene.satf);
+  return scene.method == Method::truth ? of_truth() : of_strands();
 }
 
 }  // namespace pelage
