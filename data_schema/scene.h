@@ -52,9 +52,10 @@ struct HairMaterial {
   bool operator==(const HairMaterial&) const = default;
 };
 
-enum class SelfShadow { none, paper, light };            // eq. 12 with exp | the light's ray through the outer layers
-enum class DrawOrder { clusters, patches, exact };       // DESIGN section 5
-enum class RecordsFrom { database, own_alpha, direct };  // rungs of the accuracy ladder, DESIGN section 4
+enum class SelfShadow { none, paper, light };       // eq. 12 with exp | the light's ray through the outer layers
+enum class DrawOrder { clusters, patches, exact };  // DESIGN section 5
+/// Rungs of the accuracy ladder, DESIGN section 4. literal_key: features and both angles in one search [Xu2006].
+enum class RecordsFrom { database, own_alpha, direct, literal_key };
 
 /// Settings of the SATF runtime. Each effect can be switched off.
 struct SatfSettings {
@@ -89,12 +90,15 @@ enum class EffectState { automatic, on, off };
 /// By the effect's name (schemas/scene.schema.json); those not named are automatic.
 using EffectStates = std::map<std::string, EffectState>;
 
+/// As a scene's database: random sectors, baked with the scene's settings and cached.
+inline constexpr const char* kGenericDatabase = "generic";
+
 struct Scene {
-  std::string hair;                // hair file or hairstyle file, relative to the scene file
-  std::string head;                // OBJ or empty
-  std::string database;            // or empty: an adapted one is baked and cached
-  std::string unit = "m";          // of hair and head: m, cm, mm, in
-  std::string up = "y";            // of hair and head: x, y, z
+  std::string hair;        // hair file or hairstyle file, relative to the scene file
+  std::string head;        // OBJ or empty
+  std::string database;    // or empty: an adapted one is baked and cached; kGenericDatabase: one for any hair is
+  std::string unit = "m";  // of hair and head: m, cm, mm, in
+  std::string up = "y";    // of hair and head: x, y, z
   std::string curve = "polyline";  // what the hair file's vertices are: polyline, bspline
   float diameter_um = 0;           // of a hair file's fibres; 0: the file's, or the default for their number
   float opacity = 0;               // of a hair file's fibres, [0, 1]; 0: the file's, or kDefaultOpacity
@@ -118,6 +122,8 @@ struct Scene {
 Scene load_scene(const std::filesystem::path& file);
 /// Canonical JSON of the resolved scene (written into EXR headers).
 std::string to_json(const Scene& scene);
+/// The same of a text; paths stay as they are written. @throws InputError
+Scene scene_from_json(const std::string& text, const std::string& where);
 /// Named materials: black, brown, blond, red, grey. @throws UsageError naming the known ones
 HairMaterial material_preset(const std::string& name);
 /// A material file (schemas/material.schema.json). @throws InputError

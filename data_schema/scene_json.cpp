@@ -19,7 +19,7 @@ inline constexpr std::array<std::string_view, 3> kNames<EffectState>{"auto", "on
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<DrawOrder>{"clusters", "patches", "exact"};
 template <>
-inline constexpr std::array<std::string_view, 3> kNames<RecordsFrom>{"database", "own-alpha", "direct"};
+inline constexpr std::array<std::string_view, 4> kNames<RecordsFrom>{"database", "own-alpha", "direct", "literal-key"};
 
 template <>
 inline constexpr std::array<std::string_view, 6> kNames<Method>{"satf",           "density-map", "deep-opacity",
@@ -275,13 +275,19 @@ const std::vector<HairMaterial>& presets() {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& file) {
-  const json document = parse_json(read_text(file), file.string());
-  validate(document, "scene", file.string());
+Scene scene_from_json(const std::string& text, const std::string& where) {
+  const json document = parse_json(text, where);
+  validate(document, "scene", where);
   Scene scene;
   fields(SceneReader{document}, scene);
-  check(scene, file.string());
-  for (std::string* path : {&scene.hair, &scene.head, &scene.database}) resolve_path(*path, file);
+  check(scene, where);
+  return scene;
+}
+
+Scene load_scene(const std::filesystem::path& file) {
+  Scene scene = scene_from_json(read_text(file), file.string());
+  for (std::string* path : {&scene.hair, &scene.head}) resolve_path(*path, file);
+  if (scene.database != kGenericDatabase) resolve_path(scene.database, file);
   return scene;
 }
 

@@ -211,7 +211,9 @@ std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyl
   if (scene.satf.records == RecordsFrom::direct) return std::make_unique<DirectSource>(bake);
   const LookupSettings lookup{scene.satf.neighbours, true, scene.satf.records == RecordsFrom::own_alpha};
   if (!scene.database.empty()) {
-    auto source = std::make_unique<DatabaseSource>(scene.database, lookup);
+    const std::filesystem::path file =
+        scene.database == kGenericDatabase ? prepare_generic_database(scene) : std::filesystem::path(scene.database);
+    auto source = std::make_unique<DatabaseSource>(file, lookup);
     bake = source->bank().metadata().settings;
     return source;
   }

@@ -233,11 +233,12 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")
       ->capture_default_str()
       ->check(CLI::Range(1, 8));
-  verb.add_option("--database", o->database, "HRIR database; without it one adapted to the hair is baked and cached");
+  verb.add_option("--database", o->database,
+                  "HRIR database, or generic: one for any hair is baked and cached [one adapted to the hair is]");
   verb.add_option(
       "--records", o->records,
       "database; own-alpha: opacity from the hair itself, reflectance from the database; direct: trace every "
-      "sector (slow, to compare) [database]");
+      "sector, literal-key: one search over features and both angles (slow, to compare) [database]");
   verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")
       ->capture_default_str()
       ->check(CLI::Range(1, 8));
@@ -323,9 +324,11 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--size")) parse_size(o.size, scene.image);
   if (given("--supersampling")) scene.image.supersampling = o.supersampling;
   if (given("--records")) {
-    scene.satf.records = choose<RecordsFrom>(
-        {{"database", RecordsFrom::database}, {"direct", RecordsFrom::direct}, {"own-alpha", RecordsFrom::own_alpha}},
-        o.records, "--records");
+    scene.satf.records = choose<RecordsFrom>({{"database", RecordsFrom::database},
+                                              {"direct", RecordsFrom::direct},
+                                              {"own-alpha", RecordsFrom::own_alpha},
+                                              {"literal-key", RecordsFrom::literal_key}},
+                                             o.records, "--records");
   }
   if (given("--neighbours")) scene.satf.neighbours = o.neighbours;
   if (given("--bake-sectors")) scene.bake.sectors = o.bake_sectors;
