@@ -13,6 +13,7 @@
 #include "pelage/app/choose.h"
 #include "pelage/console/options.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/scene_values.h"
 #include "pelage/data_schema/validate.h"
 #include "pelage/effects/effect.h"
 #include "pelage/render/renderer.h"
@@ -278,6 +279,10 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
       ->delimiter(',');
   verb.add_option("--auto", o->effects_auto, "Effects to run where the scene calls for them, as is the rule")
       ->delimiter(',');
+  verb.add_option("--set", o->values,
+                  "PLACE=VALUE: any value of a scene file, e.g. shadow.density_map.resolution=64; may be repeated, "
+                  "wins over the other options")
+      ->allow_extra_args(false);
   return o;
 }
 
@@ -345,6 +350,7 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   if (given("--order")) set_order(o.order, scene);
   set_effects(o, scene);
   check_hairstyle_options(verb, scene);
+  scene = with_values(scene, o.values);
   for (Light& light : scene.lights) lengthen(light);
   if (scene.lights.size() > kMaxLights) {
     throw UsageError("the scene has " + std::to_string(scene.lights.size()) + " lights; at most " +

@@ -17,6 +17,7 @@ struct SceneOptions {
   std::string curve, method, density_map, shape, lobes, shadow_at;
   std::vector<std::string> lights, point_lights;
   std::vector<std::string> effects_on, effects_off, effects_auto;
+  std::vector<std::string> values;  // --set
   bool azimuth = false;
   float exposure = 1.0F, diameter_um = 0, opacity = 0;
   int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
