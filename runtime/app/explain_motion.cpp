@@ -1,13 +1,10 @@
 #include "pelage/app/explain_motion.h"
 
-#include <algorithm>
-#include <cmath>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <span>
+#include <array>
 
 #include "pelage/app/clip.h"
 #include "pelage/app/figure_sheet.h"
+#include "pelage/app/strand_places.h"
 #include "pelage/console/progress.h"
 
 namespace pelage::app {
@@ -50,36 +47,6 @@ Run run(const Subject& subject, const Scene& planned, double fps, double seconds
   scene.camera = camera;
   result.image = picture_of(*drawing, scene);
   return result;
-}
-
-/// The place at a share of a strand's length.
-glm::dvec3 place_at(std::span<const glm::vec3> strand, double share) {
-  const auto segment = [&](std::size_t v) { return glm::distance(glm::dvec3(strand[v - 1]), glm::dvec3(strand[v])); };
-  double length_m = 0;
-  for (std::size_t v = 1; v < strand.size(); ++v) length_m += segment(v);
-  double left_m = share * length_m;
-  for (std::size_t v = 1; v < strand.size(); ++v) {
-    const double segment_m = segment(v);
-    if (left_m < segment_m) return glm::mix(glm::dvec3(strand[v - 1]), glm::dvec3(strand[v]), left_m / segment_m);
-    left_m -= segment_m;
-  }
-  return strand.back();
-}
-
-/// Vertex by vertex; where curls or detail give strands vertices of their own, at evenly spaced shares of their length.
-double rms_mm(const Strands& a, const Strands& b) {
-  constexpr int kShares = 16;
-  double sum = 0;
-  std::size_t places = 0;
-  const auto add = [&](const glm::dvec3& d) { sum += glm::dot(d, d), ++places; };
-  for (std::size_t s = 0; s < a.count(); ++s) {
-    const auto p = a.strand(s), q = b.strand(s);
-    if (p.size() == q.size())
-      for (std::size_t v = 0; v < p.size(); ++v) add(glm::dvec3(p[v]) - glm::dvec3(q[v]));
-    else if (!p.empty() && !q.empty())
-      for (int i = 0; i <= kShares; ++i) add(place_at(p, 1.0 * i / kShares) - place_at(q, 1.0 * i / kShares));
-  }
-  return 1e3 * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(places, 1)));
 }
 
 }  // namespace

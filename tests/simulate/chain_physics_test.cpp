@@ -12,18 +12,6 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr double kLength = 0.3;
 
-/// Laguerre polynomial L_n(x).
-double laguerre(int n, double x) {
-  double before = 1, now = 1 - x;
-  if (n == 0) return 1;
-  for (int k = 1; k < n; ++k) {
-    const double next = ((2 * k + 1 - x) * now - k * before) / (k + 1);
-    before = now;
-    now = next;
-  }
-  return now;
-}
-
 struct Mode {
   int links;
   double x;       // a zero of L_N
@@ -36,17 +24,9 @@ constexpr Mode kSecond[] = {{5, 2.658386 * 2.658386 / 5, kTurn / 2.658386},
                             {10, 2.700842 * 2.700842 / 10, kTurn / 2.700842}};
 constexpr double kAmplitude = 0.002;
 
-/// A chain in an exact mode, 2 mm at the tip: u_j = L_j(x), j links from the free end.
+/// A chain in an exact mode, 2 mm at the tip.
 StrandBlocks in_mode(const Mode& mode) {
-  const double link = kLength / mode.links, top = laguerre(mode.links, mode.x);
-  std::vector<glm::vec3> points{{0, 0, 0}};
-  glm::dvec3 p(0);
-  for (int i = 1; i <= mode.links; ++i) {
-    const double x = kAmplitude * (laguerre(mode.links - i, mode.x) - top), dx = x - p.x;
-    p = {x, p.y - std::sqrt(link * link - dx * dx), 0};
-    points.push_back(glm::vec3(p));
-  }
-  return one_chain(points);
+  return one_chain(chain_in_mode(mode.links, kLength, mode.x, kAmplitude));
 }
 
 struct Swing {
@@ -90,6 +70,15 @@ Swing swing(const Mode& mode, double step_s, double seconds = 6, float correctio
   }
   const double exact = mode.period * std::sqrt(kLength / kGravity);
   return {clock.period_s() / exact - 1, extremes.zeta()};
+}
+
+TEST(ChainPhysics, ZerosOfLaguerrePolynomials) {
+  for (const Mode& mode : kFirst) {
+    EXPECT_NEAR(first_laguerre_zero(mode.links), mode.x, 5e-9);  // NUMBERS' digits
+    EXPECT_NEAR(kTurn / std::sqrt(mode.links * mode.x), mode.period, 5e-7);
+  }
+  EXPECT_DOUBLE_EQ(first_laguerre_zero(1), 1);
+  EXPECT_NEAR(first_laguerre_zero(32), .04448937, 5e-9);
 }
 
 TEST(ChainPhysics, PeriodsOfAHangingChain) {

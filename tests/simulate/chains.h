@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pelage/simulate/chain_step.h"
+#include "pelage/simulate/hanging_chain.h"
 
 namespace pelage {
 
@@ -40,26 +41,6 @@ inline ChainStep undamped(double step_s) {
   step.chain.damping_per_s = 0;
   return step;
 }
-
-/// Time of one swing [s]: mean over the sign changes of `x(t)` sampled at every step, from the first to the last.
-class SwingClock {
- public:
-  void sample(double time_s, double x) {
-    if (last_ * x < 0) {
-      const double crossing = time_s - (time_s - last_time_) * x / (x - last_);
-      if (crossings_++ == 0) first_crossing_ = crossing;
-      last_crossing_ = crossing;
-    }
-    last_ = x;
-    last_time_ = time_s;
-  }
-  int crossings() const { return crossings_; }
-  double period_s() const { return 2 * (last_crossing_ - first_crossing_) / (crossings_ - 1); }
-
- private:
-  double last_ = 0, last_time_ = 0, first_crossing_ = 0, last_crossing_ = 0;
-  int crossings_ = 0;
-};
 
 /// Greatest relative error of a segment's length.
 inline double worst_stretch(const StrandBlocks& blocks) {
