@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pelage/data_schema/output_file.h"
+#include "pelage/app/text_files.h"
 
 namespace pelage::app {
 namespace {
@@ -63,14 +63,6 @@ ordered_json json_of(const ComparedMethod& m) {
   return json;
 }
 
-/// Quoted where a comma, a quote or a line break asks for it.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string figures_csv(const PictureError& error) {
   std::string line;
   for (const Figure& f : kFigures) line += fmt::format(",{}", error.*f.value);
@@ -88,12 +80,6 @@ bool is_animated(const Comparison& c) {
 }
 
 }  // namespace
-
-void write_text(const std::string& text, const std::filesystem::path& file) {
-  AtomicFile out(file);
-  out.write(text);
-  out.commit();
-}
 
 ordered_json comparison_json(const Comparison& c) {
   ordered_json json{{"name", c.name},

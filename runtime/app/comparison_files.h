@@ -19,9 +19,6 @@ std::string comparison_csv(const Comparison& comparison);
 /// One line per method and frame.
 std::string comparison_frames_csv(const Comparison& comparison);
 
-/// Whole or not at all. @throws OutputError
-void write_text(const std::string& text, const std::filesystem::path& file);
-
 /// comparison.json, comparison.csv and, of an animation, comparison-frames.csv; each whole or not at all.
 /// @throws OutputError
 void write_comparison(const Comparison& comparison, const std::filesystem::path& folder);

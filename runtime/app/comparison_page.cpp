@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "comparison_page_web.h"
+#include "pages_web.h"
 #include "pelage/app/page_charts.h"
 #include "pelage/app/page_text.h"
-#include "pelage/data_schema/base64.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/image/draw.h"
 
@@ -151,19 +147,12 @@ std::string definitions(const Comparison& comparison) {
 
 // --- pictures ---------------------------------------------------------------------------------------------------
 
-std::string data_uri(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in || bytes.empty()) throw InputError(file.string(), "no picture here for the comparison's page");
-  return "data:image/png;base64," + base64_encode(std::as_bytes(std::span(bytes)));
-}
-
 std::string figure(const ComparedMethod& method, const char* layer, const char* caption, const std::string& picture,
                    const std::filesystem::path& folder) {
   if (picture.empty()) return {};
   return fmt::format(R"(<figure><img data-layer="{}" alt="{}: {}" src="{}"><figcaption>{}</figcaption></figure>)"
                      "\n",
-                     layer, html(method.title), caption, data_uri(folder / picture), caption);
+                     layer, html(method.title), caption, picture_uri(folder / picture), caption);
 }
 
 std::string pictures(const Comparison& comparison, const std::filesystem::path& folder) {
@@ -251,8 +240,8 @@ std::string comparison_page(const Comparison& comparison, const std::filesystem:
   if (comparison.methods.empty()) throw InputError(folder.string(), "a comparison without methods has no page");
   return fill(web::compare_html, [&](std::string_view name) -> std::string {
     if (name == "name") return html(comparison.name);
-    if (name == "style") return std::string(web::compare_css);
-    if (name == "script") return std::string(web::compare_js);
+    if (name == "style") return std::string(web::page_css) + std::string(web::compare_css);
+    if (name == "script") return std::string(web::page_js) + std::string(web::compare_js);
     if (name == "summary") return summary(comparison);
     if (name == "width") return std::to_string(comparison.width);
     if (name == "height") return std::to_string(comparison.height);

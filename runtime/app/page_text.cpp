@@ -2,8 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include "pelage/data_schema/base64.h"
+#include "pelage/data_schema/errors.h"
 
 namespace pelage::app {
 namespace {
@@ -73,8 +81,26 @@ std::string number(double value, int decimals, bool sign) {
   return before + text.substr(0, exponent) + "e\u2212" + std::to_string(std::stoi(text.substr(exponent + 2)));
 }
 
+std::string significant(double value, int digits) {
+  if (!std::isfinite(value)) return number(value, 0);
+  const std::string text = fmt::format("{:.{}e}", std::abs(value), digits - 1);  // as in 3.21e-05
+  const int exponent = std::stoi(text.substr(text.find('e') + 1));
+  const std::string before = value < 0 ? "\u2212" : "";
+  if (exponent >= -4 && exponent < 6)
+    return before + fmt::format("{:.{}f}", std::abs(value), value == 0 ? 0 : std::max(0, digits - 1 - exponent));
+  return before + text.substr(0, text.find('e')) + (exponent < 0 ? "e\u2212" : "e") +
+         std::to_string(std::abs(exponent));
+}
+
 std::string milliseconds(double value) {
   return number(value, value < 100 ? 1 : 0);
+}
+
+std::string picture_uri(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in || bytes.empty()) throw InputError(file.string(), "no picture here for the page");
+  return "data:image/png;base64," + base64_encode(std::as_bytes(std::span(bytes)));
 }
 
 std::string fill(std::string_view form, const std::function<std::string(std::string_view)>& value) {

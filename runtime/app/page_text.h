@@ -1,6 +1,7 @@
 // Text for HTML: escaped, and numbers as people read them.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -15,8 +16,14 @@ std::string html(std::string_view text);
 /// for infinity, or "undefined". `sign` writes + too; minus is U+2212.
 std::string number(double value, int decimals, bool sign = false);
 
+/// Significant digits instead: 0.0123, 12.3, 1234; with an exponent below 10^-4 and from 10^6.
+std::string significant(double value, int digits = 3);
+
 /// Tenths below 100.
 std::string milliseconds(double value);
+
+/// A PNG as the address of an image. @throws InputError where it cannot be read
+std::string picture_uri(const std::filesystem::path& file);
 
 /// Replaces each {{name}} of the form by what `value` gives for the name, once: what is put in is not looked at.
 std::string fill(std::string_view form, const std::function<std::string(std::string_view)>& value);

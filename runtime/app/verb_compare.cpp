@@ -13,6 +13,7 @@
 #include "pelage/app/output_folder.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
+#include "pelage/app/text_files.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"

@@ -21,6 +21,7 @@ PROGRAMS = ["chromium-headless-shell", "chromium", "google-chrome"]
 KEYS = {
     "ArrowLeft": ("ArrowLeft", 37, ""), "ArrowUp": ("ArrowUp", 38, ""), "ArrowRight": ("ArrowRight", 39, ""),
     "ArrowDown": ("ArrowDown", 40, ""), "Home": ("Home", 36, ""), "End": ("End", 35, ""),
+    "Tab": ("Tab", 9, ""), "Escape": ("Escape", 27, ""),
     "Enter": ("Enter", 13, "\r"), " ": ("Space", 32, " "), "x": ("KeyX", 88, "x"), "i": ("KeyI", 73, "i"),
     **{str(d): (f"Digit{d}", 48 + d, str(d)) for d in range(10)},
 }

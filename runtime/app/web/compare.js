@@ -5,11 +5,7 @@
   'use strict';
   const $ = id => document.getElementById(id);
   const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
-  const make = (tag, properties = {}, ...children) => {
-    const element = Object.assign(document.createElement(tag), properties);
-    element.append(...children);
-    return element;
-  };
+  const {make, addCopyButton} = page;
 
   const methods = [...document.querySelectorAll('.gallery article')].map(article => {
     const layers = {};
@@ -47,28 +43,6 @@
       head.addEventListener('click', sort);
       head.style.cursor = 'pointer';
     });
-  }
-
-  // --- copying --------------------------------------------------------------------------------------------------
-
-  async function copy(code) {
-    try {
-      await navigator.clipboard.writeText(code.textContent);
-      return true;
-    } catch {
-      getSelection().selectAllChildren(code);
-      return document.execCommand('copy');
-    }
-  }
-
-  function addCopyButton(command) {
-    const button = make('button', {type: 'button', textContent: 'Copy'});
-    button.setAttribute('aria-live', 'polite');
-    button.addEventListener('click', async () => {
-      button.textContent = await copy(command.querySelector('code')) ? 'Copied' : 'Selected: copy with Ctrl+C';
-      setTimeout(() => button.textContent = 'Copy', 1500);
-    });
-    command.querySelector('h3').append(button);
   }
 
   makeSortable(document.querySelector('table'));
