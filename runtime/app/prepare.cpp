@@ -16,6 +16,7 @@
 #include "pelage/data_schema/output_file.h"
 #include "pelage/db/database.h"
 #include "pelage/db/database_source.h"
+#include "pelage/db/literal_key_source.h"
 #include "pelage/hair/cluster_fit.h"
 #include "pelage/hair/hair_file.h"
 #include "pelage/hair/mesh_obj.h"
@@ -190,8 +191,9 @@ Bank cached_bank(const BakeSettings& settings, const Hairstyle& style) {
   return std::make_shared<RecordBank>(file);
 }
 
-/// Where the cache cannot be written: baked into a temporary file that is removed once it is read.
-Bank temporary_bank(const BakeSettings& settings, const Hairstyle& style) {
+}  // namespace
+
+std::shared_ptr<const RecordBank> bake_temporary(const BakeSettings& settings, const Hairstyle* style) {
   std::string name = (std::filesystem::temp_directory_path() / "pelage-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw OutputError(name, "cannot be made: set PELAGE_CACHE or TMPDIR");
   const std::unique_ptr<const std::filesystem::path, void (*)(const std::filesystem::path*)> folder(
@@ -200,31 +202,34 @@ Bank temporary_bank(const BakeSettings& settings, const Hairstyle& style) {
         std::filesystem::remove_all(*path, none);
         delete path;
       });
-  bake(settings, &style, *folder / "adapted.hrir");
-  return std::make_shared<RecordBank>(*folder / "adapted.hrir");
+  bake(settings, style, *folder / "baked.hrir");
+  return std::make_shared<RecordBank>(*folder / "baked.hrir");
 }
 
-}  // namespace
+std::unique_ptr<RecordSource> record_source(const SatfSettings& satf, Bank bank) {
+  if (satf.records == RecordsFrom::literal_key) return std::make_unique<LiteralKeySource>(std::move(bank));
+  const LookupSettings lookup{satf.neighbours, true, satf.records == RecordsFrom::own_alpha};
+  return std::make_unique<DatabaseSource>(std::move(bank), lookup);
+}
 
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake) {
   bake = scene.bake;
   if (scene.satf.records == RecordsFrom::direct) return std::make_unique<DirectSource>(bake);
-  const LookupSettings lookup{scene.satf.neighbours, true, scene.satf.records == RecordsFrom::own_alpha};
+  Bank bank;
   if (!scene.database.empty()) {
     const std::filesystem::path file =
         scene.database == kGenericDatabase ? prepare_generic_database(scene) : std::filesystem::path(scene.database);
-    auto source = std::make_unique<DatabaseSource>(file, lookup);
-    bake = source->bank().metadata().settings;
-    return source;
+    bank = std::make_shared<RecordBank>(file);
+    bake = bank->metadata().settings;
+    return record_source(scene.satf, std::move(bank));
   }
-  Bank bank;
   try {
     bank = cached_bank(bake, style);
   } catch (const OutputError& error) {
     spdlog::warn("{}; the database is not kept", error.what());
-    bank = temporary_bank(bake, style);
+    bank = bake_temporary(bake, &style);
   }
-  return std::make_unique<DatabaseSource>(std::move(bank), lookup);
+  return record_source(scene.satf, std::move(bank));
 }
 
 std::filesystem::path prepare_generic_database(const Scene& scene) {

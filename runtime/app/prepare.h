@@ -7,6 +7,7 @@
 
 #include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/scene.h"
+#include "pelage/db/record_bank.h"
 #include "pelage/db/record_source.h"
 
 namespace pelage::app {
@@ -32,6 +33,11 @@ struct Subject {
 Mesh prepare_head(const Scene& scene);
 /// @param bake  out: the settings that the records were baked with
 std::unique_ptr<RecordSource> prepare_records(const Scene& scene, const Hairstyle& style, BakeSettings& bake);
+/// What looks records up in the database as the settings have it; not for RecordsFrom::direct.
+std::unique_ptr<RecordSource> record_source(const SatfSettings& satf, std::shared_ptr<const RecordBank> bank);
+/// Baked into a temporary file that is removed once it is read.
+/// @param style  none: random sectors
+std::shared_ptr<const RecordBank> bake_temporary(const BakeSettings& settings, const Hairstyle* style);
 /// A database of random sectors, baked with the scene's settings and kept like the adapted ones. @return its file
 /// @throws OutputError where the cache cannot be written
 std::filesystem::path prepare_generic_database(const Scene& scene);

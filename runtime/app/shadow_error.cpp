@@ -52,15 +52,21 @@ ShadowError shadow_error(const std::vector<float>& transmittance, const std::vec
   if (transmittance.size() != truth.size()) throw std::invalid_argument("shadow_error: sizes differ");
   ShadowError error;
   std::vector<double> absolute;
+  double fourth = 0, of_truth = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double difference = static_cast<double>(transmittance[i]) - truth[i].mean;
     error.bias += difference;
     error.rmse += difference * difference;
+    fourth += std::pow(difference, 4);
+    of_truth += truth[i].standard_error * truth[i].standard_error;
     absolute.push_back(std::abs(difference));
   }
   const auto n = static_cast<double>(std::max<std::size_t>(truth.size(), 1));
   error.bias /= n;
-  error.rmse = std::sqrt(error.rmse / n);
+  error.rmse /= n;
+  const double variance = std::max(fourth / n - error.rmse * error.rmse, 0.0) / n;
+  error.rmse = std::sqrt(error.rmse);
+  if (error.rmse > 0) error.rmse_error = std::hypot(std::sqrt(variance), of_truth / n) / (2 * error.rmse);
   error.p99 = quantile_of(absolute, 0.99);
   error.max = quantile_of(absolute, 1.0);
   return error;
@@ -106,12 +112,13 @@ std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, std::vector<int> 
 }
 
 ShadowResult measure_shadow(const ShadowRow& row, const Strands& strands, float opacity, const Light& light,
-                            const ShadowTruth& truth, int repeats) {
+                            const ShadowTruth& truth, const Repeats& repeats) {
   ShadowResult result;
+  const auto begun = std::chrono::steady_clock::now();
   auto shadow = make_shadow(row.how, row.settings, strands, opacity, light);
   std::vector<float> all(strands.vertices.size());
-  std::vector<double> build, fill, transmit, filter, sum;
-  for (int i = 0; i < repeats; ++i) {
+  std::vector<double> build, fill, transmit, filter;
+  for (int i = 0; i < repeats.least || (i < repeats.most && milliseconds_since(begun) < repeats.within_ms); ++i) {
     console::throw_if_interrupted();
     auto start = std::chrono::steady_clock::now();
     shadow->build(strands, opacity, light);
@@ -121,8 +128,9 @@ ShadowResult measure_shadow(const ShadowRow& row, const Strands& strands, float 
     start = std::chrono::steady_clock::now();
     shadow->transmittance(strands.vertices, all);
     filter.push_back(milliseconds_since(start));
-    sum.push_back(build.back() + filter.back());
+    result.sum_ms.push_back(build.back() + filter.back());
   }
+  std::vector<double> sum = result.sum_ms;
   result.build_ms = quantile_of(build, 0.5);
   result.fill_ms = quantile_of(fill, 0.5);
   result.transmittance_ms = quantile_of(transmit, 0.5);

@@ -28,6 +28,9 @@ ShadowTruth shadow_truth(const Strands& strands, float opacity, const Light& lig
 /// Of T - T*, over the points.
 struct ShadowError {
   double rmse = 0, bias = 0, p99 = 0, max = 0;  // p99 and max of the absolute error
+  // Standard error of `rmse` (delta method: s.d. of the squared errors / (2 rmse sqrt(n))) and, added in squares, what
+  // the truth's own error puts on it: its mean square / (2 rmse).
+  double rmse_error = 0;
 };
 
 /// @throws std::invalid_argument unless both are as long
@@ -49,11 +52,18 @@ struct ShadowResult {
   double build_ms = 0, fill_ms = 0, transmittance_ms = 0;  // medians
   double filter_ms = 0;                                    // of all vertices of the groom
   double spread_ms = 0;                                    // of build + filter: half the distance between quartiles
+  std::vector<double> sum_ms;                              // build + filter of each repetition
   std::size_t bytes = 0;
 };
 
-/// Builds the row's map `repeats` times, reads it at all vertices and at the truth's points.
+/// How often something is measured: at least so often, then until so much time has passed or it was often enough.
+struct Repeats {
+  int least = 3, most = 1000;
+  double within_ms = 1000;
+};
+
+/// Builds the row's map once to warm up and then repeatedly, reads it at all vertices and at the truth's points.
 ShadowResult measure_shadow(const ShadowRow& row, const Strands& strands, float opacity, const Light& light,
-                            const ShadowTruth& truth, int repeats);
+                            const ShadowTruth& truth, const Repeats& repeats);
 
 }  // namespace pelage::app

@@ -49,7 +49,7 @@ Image resolutions(Scene scene) {
       scene.shadow.density_map = row == 0 ? DensityMapSettings{} : DensityMapSettings::printed();
       scene.shadow.density_map.resolution = sizes[i];
       const ShadowRow what{"", "", Method::density_map, scene.shadow};
-      const ShadowResult r = measure_shadow(what, s.hair.strands, s.hair.opacity, scene.lights.front(), truth, 5);
+      const ShadowResult r = measure_shadow(what, s.hair.strands, s.hair.opacity, scene.lights.front(), truth, {5, 5});
       sheet.put({static_cast<int>(i), row}, picture_of(*drawing, scene),
                 fmt::format("{}^3 {}", sizes[i], row == 0 ? "corrected" : "as printed"), measured(r));
     }

@@ -105,7 +105,7 @@ void measure(const CLI::App& verb, const Options& o) {
   for (const ShadowRow& row : shadow_rows(scene.shadow, o.resolutions)) {
     if (light.position && (row.how == Method::deep_opacity || row.how == Method::opacity_shadow)) continue;
     console::throw_if_interrupted();
-    tell(row, measure_shadow(row, hair.strands, hair.opacity, light, truth, o.repeats));
+    tell(row, measure_shadow(row, hair.strands, hair.opacity, light, truth, {o.repeats, o.repeats}));
   }
   if (json) console::print_json(document);
 }
