@@ -321,9 +321,9 @@ std::string point_words(const Chart& chart, const Point& p) {
   if (row.bytes > 0) words += ", " + mib_text(row.bytes);
   if (row.prepare_ms > 0) words += fmt::format("\nprepared in {} ms", significant(row.prepare_ms));
   if (!row.paper.empty()) words += "\nas printed in " + html(row.paper);
-  return words + (row.on_front               ? "\non the front"
+  return words + (row.on_front               ? "\non the front of error and time"
                   : row.dominated_by.empty() ? ""
-                                             : "\ndominated by " + html(row.dominated_by));
+                                             : "\nin error and time dominated by " + html(row.dominated_by));
 }
 
 std::string point_svg(const Chart& chart, const Point& p) {
@@ -504,7 +504,7 @@ std::string tradeoff_legend(const Diagram& diagram) {
     return fmt::format("<li>{}<span>{}</span></li>\n", key_mark(mark), words);
   };
   return "<ul class=\"knobs\">\n" + items + "</ul>\n<ul class=\"meanings\">\n" +
-         meaning(R"(<path class="front" d="M-15 -6V4H15"/>)", "front: nothing is faster and more accurate") +
+         meaning(R"(<path class="front" d="M-15 -6V4H15"/>)", "front: nothing is better on both axes") +
          meaning(R"(<path class="mark under" d="M-4.4 0A4.4 4.4 0 1 1 -4.4 0.01Z"/>)",
                  "faded: dominated by a point of the front") +
          meaning(R"(<path class="ring" d="M-9.5 0A9.5 9.5 0 1 1 -9.5 0.01Z"/>)", "as a paper prints it") +

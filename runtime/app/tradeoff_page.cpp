@@ -107,10 +107,10 @@ std::string failed_list(const Diagram& diagram) {
 // --- one point -----------------------------------------------------------------------------------------------------
 
 std::string standing(const Diagram& diagram, const TradeoffRow& row) {
-  if (row.on_front) return "on the front";
+  if (row.on_front) return "on the front of error and time";
   if (row.dominated_by.empty()) return "";
   const TradeoffRow* better = row_of(diagram, row.dominated_by);
-  return "dominated by " + (better != nullptr ? link(diagram, *better) : html(row.dominated_by));
+  return "in error and time dominated by " + (better != nullptr ? link(diagram, *better) : html(row.dominated_by));
 }
 
 std::string settings_of(const TradeoffRow& row) {
@@ -187,11 +187,10 @@ std::string section(const Tradeoff& tradeoff, const Diagram& diagram, int number
   if (diagram.rows.empty()) return text + "<p class=\"note\">Nothing was measured for this diagram.</p>\n</section>\n";
   return text + "<div class=\"tools\">" + axis_choice(number) +
          "</div>\n<div class=\"desk\">\n<div class=\"charts\">\n" + tradeoff_charts(diagram) +
-         "</div>\n<div class=\"legend\">\n" + tradeoff_legend(diagram) +
-         "</div>\n</div>\n<div class=\"panel\" tabindex=\"-1\" role=\"region\" aria-label=\"Chosen point\" "
-         "hidden></div>\n" +
-         front_table(diagram) + slope_table(diagram) + failed_list(diagram) + cards(tradeoff, diagram, folder) +
-         "</section>\n";
+         "<div class=\"panel\" tabindex=\"-1\" role=\"region\" aria-label=\"Chosen point\" hidden></div>\n</div>\n"
+         "<div class=\"legend\">\n" +
+         tradeoff_legend(diagram) + "</div>\n</div>\n" + front_table(diagram) + slope_table(diagram) +
+         failed_list(diagram) + cards(tradeoff, diagram, folder) + "</section>\n";
 }
 
 std::string sections(const Tradeoff& tradeoff, const std::filesystem::path& folder) {
