@@ -184,6 +184,12 @@ class Charts(Case):
                 for q in boxes[:i]:
                     apart = p[0] >= q[2] or q[0] >= p[2] or p[1] >= q[3] or q[1] >= p[3]
                     self.assertTrue(apart, (d, p, q))
+            marks = self.all(f"#{d} .axis[data-axis=ms] .point .mark", "(b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect())")
+            named = self.all(f"#{d} .axis[data-axis=ms] .name", "(b => [b.left, b.top, b.right, b.bottom, e.textContent])(e.getBoundingClientRect())")
+            for p in named:
+                for q in marks:
+                    across, down = min(p[2], q[2]) - max(p[0], q[0]), min(p[3], q[3]) - max(p[1], q[1])
+                    self.assertFalse(across > 2 and down > 2, (d, p, q))
 
     def test_the_front_is_that_of_the_rows(self):
         self.open()
@@ -228,7 +234,8 @@ class Charts(Case):
         self.assertEqual(self.all("#transmittance .axis[data-axis=ms] .point .mark", "e.getAttribute('d')").count(star), 1)
         ringed = self.all("#transmittance .axis[data-axis=ms] .point:has(.ring)", "e.dataset.row")
         self.assertEqual(sorted(ringed), names("transmittance", [r for r in measured("transmittance") if r["paper"]]))
-        self.assertEqual(sorted(self.all("#transmittance .axis[data-axis=ms] .name", "e.textContent")), ["Bertails2005", "Yuksel2008", "default"])
+        self.assertEqual(sorted(self.all("#transmittance .axis[data-axis=ms] .name", "e.textContent")),
+                         ["Bertails2005", "Mertens2004", "Sintorn2008", "Yuksel2008", "default"])
 
     def test_bars_reach_as_far_as_error_and_time_do_and_stay_on_the_chart(self):
         self.open()
@@ -418,8 +425,10 @@ class Legend(Case):
         seen = [n for n in range(21) if self.visible(self.all("#picture .knobs li", "e.textContent")[n])]
         self.assertEqual(seen, [7])
         self.one("#picture .axis[data-axis=ms] .point[tabindex='0']:not(.off)", "e.focus()")
+        page.key("Home")
         page.key("ArrowRight")
-        self.assertTrue(self.focused().startswith("picture/knob-07"), "arrows pass over what is hidden")
+        rows = sorted((r for r in on_axes("picture") if r["knob"] == "knob-07.setting"), key=AXES["ms"])
+        self.assertEqual(self.focused(), "picture/" + rows[1]["id"], "arrows pass over what is hidden")
         page.click_on("#picture .all-none button:nth-child(1)")
         self.assertEqual(len([n for n in range(21) if self.visible(self.all("#picture .knobs li", "e.textContent")[n])]), 21)
 

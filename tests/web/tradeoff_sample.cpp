@@ -117,6 +117,8 @@ Diagram shadows() {
   finish(d);
   d.rows[4].paper = "Bertails2005";
   d.rows[23].paper = "Yuksel2008";
+  d.rows[24].paper = "Mertens2004";
+  d.rows[25].paper = "Sintorn2008";
   TradeoffRow failed = row("density-map.cells", "4096", 4096, 0, 0);
   failed.failed = "not enough memory: 256 GiB <needed> & 'asked for'";
   d.rows.push_back(failed);
