@@ -6,12 +6,13 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <optional>
 
+#include "pelage/app/command_line.h"
 #include "pelage/app/compared_truth.h"
+#include "pelage/app/machine.h"
 #include "pelage/app/motion_bounds.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/stopwatch.h"
@@ -32,14 +33,6 @@ using Clock = std::chrono::steady_clock;
 constexpr float kTurn_rad = 0.0175F;
 /// Pictures of the truth that are kept for all methods take no more.
 constexpr double kMostBytes = 4e9;
-
-std::string cpu_name() {
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);)
-    if (const auto colon = line.find(": "); line.starts_with("model name") && colon != std::string::npos)
-      return line.substr(colon + 2);
-  return "unknown";
-}
 
 Camera turned(Camera camera) {
   const glm::quat turn = glm::angleAxis(kTurn_rad, glm::normalize(camera.up));

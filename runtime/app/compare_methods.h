@@ -22,7 +22,4 @@ std::vector<CompareMethod> known_methods(const std::string& database);
 /// @throws UsageError with the nearest name
 std::vector<CompareMethod> chosen_methods(const std::string& database, std::span<const std::string> ids);
 
-/// One word of a command line, quoted for a POSIX shell where it must be.
-std::string shell_word(const std::string& word);
-
 }  // namespace pelage::app

@@ -1,5 +1,6 @@
 #include "pelage/app/drawing.h"
 
+#include "pelage/app/picture_truth.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
@@ -103,6 +104,7 @@ class TruthDrawing final : public Drawing {
   TruthDrawing(StrandHair hair, Mesh head) : Drawing(std::move(hair.name)), opacity_(hair.opacity) {
     set(hair.strands, std::move(head));
   }
+  void refresh() override { build(); }
   void set_seed(std::uint64_t seed) override { seed_ = seed; }
   Strands lines() const override { return lines_; }
   Mesh head() const override { return head_; }
@@ -137,15 +139,7 @@ class TruthDrawing final : public Drawing {
       smoothing_ = scene.strands.smoothing;
       build();
     }
-    TruthRequest request;
-    request.camera = camera;
-    request.width = scene.image.width;
-    request.height = scene.image.height;
-    request.lights = scene.lights;
-    request.material = material_of(scene.material, scene.strands.lobes);
-    request.lobes = {scene.strands.diffuse, scene.strands.primary_highlight, scene.strands.secondary_highlight};
-    request.phong = scene.bake.phong;
-    request.settings = scene.truth;
+    TruthRequest request = truth_request(scene, camera);
     request.seed = seed_;
     auto stage = ledger_.run("trace");
     console::Progress progress("tracing " + name(),

@@ -15,5 +15,6 @@ int main(int argc, char** argv) {
   pelage::app::add_shadow_error(app);
   pelage::app::add_figure(app);
   pelage::app::add_compare(app);
+  pelage::app::add_tradeoff(app);
   return pelage::console::run_program(app, argc, argv);
 }

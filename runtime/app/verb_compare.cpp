@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "pelage/app/command_line.h"
 #include "pelage/app/compare.h"
 #include "pelage/app/compare_thresholds.h"
 #include "pelage/app/comparison_files.h"
@@ -70,22 +71,6 @@ Scene compared_scene(const CLI::App& verb, const CompareOptions& o) {
   if (scene.hair == o.scene->input) scene.image.width = kWidth, scene.image.height = kHeight;  // no scene file
   limit_size(scene.image);
   return scene;
-}
-
-/// Options as they were given, besides those that `left_out` names.
-std::string words_of(const CLI::App& verb, const std::vector<std::string>& left_out) {
-  std::string line;
-  for (const CLI::Option* const option : verb.get_options()) {
-    const std::string name = option->get_name();
-    if (option->count() == 0 || std::find(left_out.begin(), left_out.end(), name) != left_out.end()) continue;
-    const bool positional = name.empty() || name[0] != '-';
-    for (const std::string& value : option->results()) {
-      if (!positional) line += " " + name;
-      if (!positional && option->get_expected_min() == 0) break;  // a flag
-      line += (!positional && value.starts_with('-') ? "=" : " ") + shell_word(value);
-    }
-  }
-  return line;
 }
 
 /// Not of `render`, or told with the row.

@@ -15,5 +15,6 @@ void add_simulate(CLI::App& app);
 void add_shadow_error(CLI::App& app);
 void add_figure(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_tradeoff(CLI::App& app);
 
 }  // namespace pelage::app

@@ -192,4 +192,18 @@ std::vector<float> truth_image(const FibreScene& scene, const Strands& strands, 
   return rgba;
 }
 
+std::vector<float> truth_pixels(const FibreScene& scene, const Strands& strands, const TruthRequest& request,
+                                std::span<const glm::ivec2> pixels) {
+  const PixelTracer tracer(scene, strands, request);
+  std::vector<float> rgba(4 * pixels.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels.size(), 16), [&](const auto& range) {
+    std::vector<FibreCrossing> crossings;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const glm::dvec4 pixel = tracer.trace(pixels[i].x, pixels[i].y, crossings);
+      for (int k = 0; k < 4; ++k) rgba[4 * i + static_cast<std::size_t>(k)] = static_cast<float>(pixel[k]);
+    }
+  });
+  return rgba;
+}
+
 }  // namespace pelage

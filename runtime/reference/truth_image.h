@@ -18,6 +18,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <span>
 #include <vector>
 
@@ -63,5 +64,11 @@ class TruthCamera {
 /// @throws UsageError for eye = target or a light without a direction
 std::vector<float> truth_image(const FibreScene& scene, const Strands& strands, const TruthRequest& request,
                                const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {});
+
+/// Some pixels of that picture: the same numbers as there.
+/// @param pixels  (x, y) inside it
+/// @return [pixel][4]
+std::vector<float> truth_pixels(const FibreScene& scene, const Strands& strands, const TruthRequest& request,
+                                std::span<const glm::ivec2> pixels);
 
 }  // namespace pelage

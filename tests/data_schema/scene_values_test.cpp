@@ -76,7 +76,7 @@ TEST(SceneValues, ChangesTellOneSceneFromAnother) {
   to.method = Method::density_map;
   to.lights[0].intensity = 2;
   EXPECT_THAT(changed_values(base(), to),
-              UnorderedElementsAre("lights.0.intensity=2", "method=density-map", "satf.neighbours=3",
+              UnorderedElementsAre("lights.0.intensity=2.0", "method=density-map", "satf.neighbours=3",
                                    "shadow.density_map.resolution=64"));
 }
 

@@ -46,6 +46,22 @@ TEST(TruthImage, OneFibreStandsWhereItIsWithItsCoverage) {
   }
 }
 
+TEST(TruthImage, SomePixelsAreThoseOfTheWholePicture) {
+  const Strands s = sample::one_strand({{-0.1F, 0.0033F, 0}, {0.1F, 0.0033F, 0}}, 5e-4F);
+  const FibreScene scene(s, 0.6F);
+  TruthRequest r = seen_from_z(21, 17, 1e-3, kOneLight);
+  r.settings.samples = 5;
+  r.seed = 3;
+  const auto whole = truth_image(scene, s, r);
+  std::vector<glm::ivec2> pixels;
+  for (int i = 0; i < 60; ++i) pixels.emplace_back((7 * i) % 21, (5 * i) % 17);
+  const auto some = truth_pixels(scene, s, r, pixels);
+  ASSERT_EQ(some.size(), 4 * pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    EXPECT_EQ(pixel(some, static_cast<int>(pixels.size()), static_cast<int>(i), 0),
+              pixel(whole, 21, pixels[i].x, pixels[i].y));
+}
+
 TEST(TruthImage, RightIsRightAndUpIsUp) {
   // A short fibre right of the centre and above it, from a camera that looks along -z, and from one that looks along x.
   const Strands s = sample::one_strand({{0.004F, 0.003F, -0.006F}, {0.006F, 0.003F, -0.004F}}, 5e-4F);

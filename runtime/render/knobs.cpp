@@ -1,0 +1,96 @@
+#include "pelage/render/knobs.h"
+
+namespace pelage {
+namespace {
+
+using Settings = std::vector<std::string>;
+
+constexpr double kNoOrder = std::numeric_limits<double>::quiet_NaN();
+
+/// Strands at their own optimum: the corrected map, light around fibres.
+const Settings kStrands{"method=density-map", "strands.azimuth=true"};
+
+Settings with(Settings base, std::initializer_list<const char*> more) {
+  base.insert(base.end(), more.begin(), more.end());
+  return base;
+}
+
+std::vector<KnobValue> methods() {
+  return {{"satf", kNoOrder, {"method=satf"}, 0, {}},
+          {"density-map", kNoOrder, {"method=density-map", "strands.azimuth=true"}, 0, {}},
+          {"density-map-mean", kNoOrder, {"method=density-map", "strands.azimuth=false"}, 0, {}},
+          {"density-map-printed",
+           kNoOrder,
+           {"method=density-map", "strands.azimuth=false", "shadow.density_map.area=false",
+            "shadow.density_map.split=false", "shadow.density_map.trilinear_deposit=false",
+            "shadow.density_map.centred_lookup=false", "shadow.density_map.fitted=false",
+            "shadow.density_map.footprint_m=0"},
+           0,
+           "Bertails2005"},
+          {"deep-opacity", kNoOrder, {"method=deep-opacity", "strands.azimuth=true"}, 0, {}},
+          {"opacity-shadow", kNoOrder, {"method=opacity-shadow", "strands.azimuth=true"}, 0, {}},
+          {"unshadowed", kNoOrder, {"method=unshadowed", "strands.azimuth=true"}, 0, {}},
+          {"kajiya-kay", kNoOrder, {"method=density-map", "strands.lobes=kajiya-kay"}, 0, {}}};
+}
+
+std::vector<KnobValue> threads() {
+  std::vector<KnobValue> values;
+  for (const int n : {1, 2, 4, 8, 16}) values.push_back({std::to_string(n), static_cast<double>(n), {}, n, {}});
+  return values;
+}
+
+std::vector<Knob> make() {
+  const MeasureKind picture = MeasureKind::picture;
+  return {{"picture.method",
+           "What draws; strand by strand with light around fibres, unless it says otherwise.",
+           "",
+           picture,
+           {},
+           methods()},
+          {"truth.samples",
+           "Rays per pixel of the ray-traced picture: noise, and nothing else.",
+           "rays",
+           picture,
+           {"method=truth"},
+           numbers("truth.samples", {1, 2, 4, 8, 16, 32, 64})},
+          {"strands.supersampling", "Samples per pixel and side: the edges of thin strands.", "samples", picture,
+           kStrands, numbers("image.supersampling", {1, 2, 3, 4, 6, 8})},
+          {"strands.order", "How strands in front of each other are put in order.", "", picture, kStrands,
+           choices("strands.order", {"exact", "sorted", "weighted"})},
+          {"strands.sorted", "Samples per pixel and side, segments sorted by depth.", "samples", picture,
+           with(kStrands, {"strands.order=sorted"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
+          {"strands.weighted", "Samples per pixel and side, order-independent mean.", "samples", picture,
+           with(kStrands, {"strands.order=weighted"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
+          {"strands.lines", "Samples per pixel and side, lines one sample wide instead of ribbons.", "samples", picture,
+           with(kStrands, {"strands.shape=lines"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
+          {"strands.smoothing", "Catmull-Rom pieces per segment.", "pieces", picture, kStrands,
+           numbers("strands.smoothing", {1, 2, 3, 4, 6})},
+          {"strands.shadow-at", "Where transmittance is looked up.", "", picture, kStrands,
+           choices("strands.shadow_at", {"vertex", "fragment"})},
+          {"strands.cells", "Cells of the density map along its longest side, seen in the picture.", "cells", picture,
+           kStrands, numbers("shadow.density_map.resolution", {16, 32, 64, 128, 256})},
+          {"strands.highlights",
+           "What of the light is drawn.",
+           "",
+           picture,
+           kStrands,
+           {{"both", kNoOrder, {}, 0, {}},
+            {"primary", kNoOrder, {"strands.secondary_highlight=false"}, 0, {}},
+            {"secondary", kNoOrder, {"strands.primary_highlight=false"}, 0, {}},
+            {"none", kNoOrder, {"strands.primary_highlight=false", "strands.secondary_highlight=false"}, 0, {}}}},
+          {"picture.threads",
+           "Threads of all that is not OpenGL's; the picture is the same.",
+           "threads",
+           picture,
+           {"method=truth", "truth.samples=4"},
+           threads()}};
+}
+
+}  // namespace
+
+std::span<const Knob> picture_knobs() {
+  static const std::vector<Knob> knobs = make();
+  return knobs;
+}
+
+}  // namespace pelage
