@@ -24,14 +24,14 @@ std::vector<KnobValue> feature_sets() {
 
 /// Views and lights together.
 std::vector<KnobValue> angles() {
-  std::vector<KnobValue> values = numbers("bake.views", {4, 6, 8, 12, 16, 24, 32, 48, 64});
+  std::vector<KnobValue> values = numbers("bake.views", {4, 8, 16, 24, 32, 64});
   for (KnobValue& value : values) value.settings.push_back("bake.lights=" + value.label);
   return values;
 }
 
 /// As many views as lights are few: all records of the same size.
 std::vector<KnobValue> views_for_lights() {
-  std::vector<KnobValue> values = numbers("bake.views", {8, 16, 32, 64, 128, 256});
+  std::vector<KnobValue> values = numbers("bake.views", {16, 32, 64, 128, 256});
   for (KnobValue& value : values)
     value.settings.push_back("bake.lights=" + std::to_string(1024 / static_cast<int>(value.amount)));
   return values;
@@ -63,15 +63,15 @@ std::vector<Knob> all_knobs() {
            numbers("satf.neighbours", {1, 2, 3, 4, 6, 8})),
       knob("bake.angles", "View angles and light angles of a record, as many of each", "angles", kAdapted, angles()),
       knob("bake.views", "View angles of a record on the full circle", "angles", kAdapted,
-           numbers("bake.views", {4, 8, 16, 32, 64, 128, 256})),
+           numbers("bake.views", {4, 8, 16, 32, 64, 128})),
       knob("bake.lights", "Light angles of a record on the full circle", "angles", kAdapted,
-           numbers("bake.lights", {4, 6, 8, 12, 16, 32, 64})),
+           numbers("bake.lights", {4, 6, 8, 16, 32})),
       knob("bake.views-for-lights", "View angles where views times lights stay 1024: the same bytes", "angles",
            kAdapted, views_for_lights()),
       knob("bake.samples", "Values along s of a record", "samples", kAdapted,
            numbers("bake.samples", {4, 8, 16, 32, 64})),
       knob("bake.grid", "Cells per side of the density that is traced", "cells", kAdapted,
-           numbers("bake.grid", {8, 12, 16, 24, 32, 48, 64})),
+           numbers("bake.grid", {8, 12, 16, 24, 32, 48})),
       knob("bake.storage", "Bytes of a stored value: one or two", "", kAdapted,
            choices("bake.storage", {"u8", "half"})),
   };
