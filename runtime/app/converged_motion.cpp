@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pelage/app/clip.h"
+#include "pelage/app/repeat.h"
 #include "pelage/app/stopwatch.h"
 #include "pelage/app/strand_places.h"
 
@@ -36,11 +37,7 @@ Scene finest_of(const Scene& scene, int per_s) {
 }  // namespace
 
 double ClipRun::median_ms() const {
-  if (frame_ms.empty()) return 0;
-  std::vector<double> sorted = frame_ms;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  return median_of(frame_ms);
 }
 
 Scene with_motion(Scene scene) {

@@ -11,9 +11,11 @@
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain_motion.h"
 #include "pelage/app/motion_bounds.h"
+#include "pelage/app/motion_budget.h"
 #include "pelage/app/output_folder.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/prepare.h"
+#include "pelage/app/repeat.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/stopwatch.h"
@@ -25,6 +27,7 @@
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
+#include "pelage/data_schema/scene_values.h"
 #include "pelage/hair/hair_file.h"
 #include "pelage/render/gl_context.h"
 
@@ -36,7 +39,15 @@ struct SimulateOptions {
   std::shared_ptr<SimulationOptions> simulation;
   std::filesystem::path out, hair_out, video;
   double fps = 30, seconds = 0;
+  double budget_ms = 0, target_mm = 0;
   bool stats = false, explain = false;
+
+  std::optional<Goal> goal() const {
+    Goal goal;
+    if (budget_ms > 0) goal.budget_ms = budget_ms;
+    if (target_mm > 0) goal.target_error = target_mm;
+    return goal.budget_ms || goal.target_error ? std::optional(goal) : std::nullopt;
+  }
 };
 
 constexpr double kMiB = 1048576.0;
@@ -83,7 +94,8 @@ class Sequence {
   Sequence(const SimulateOptions& options, const Scene& scene) : options_(options), scene_(scene) {
     prepare();
     const Strands& strands = subject_.hair.strands;
-    const SimulationSettings s = planned_motion(scene, strands, subject_.head, subject_.hair.opacity);
+    choose_settings();
+    const SimulationSettings s = planned_motion(scene_, strands, subject_.head, subject_.hair.opacity);
     clip_.emplace(strands, subject_.head, s, options.fps, options.seconds);
     const ImageSettings& p = scene.image;
     const Bounds way = motion_bounds(strands, subject_.head, s.motion, hair().pivot(), frames() / options.fps);
@@ -110,8 +122,20 @@ class Sequence {
     return explain_motion(subject_, scene_, options_.fps, options_.seconds, drawing_.get(), camera_);
   }
   const Simulation& simulation() const { return hair().simulation(); }
+  const std::optional<MotionBudget>& budget() const { return budget_; }
+  /// Chains, voxels and strands of a frame, the median; the first, in which nothing moves, does not count.
+  double median_ms() const { return median_of(frame_ms_); }
 
  private:
+  /// Those that meet --budget-ms and --target-error.
+  void choose_settings() {
+    const std::optional<Goal> goal = options_.goal();
+    if (!goal) return;
+    const double seconds = options_.seconds > 0 ? options_.seconds : 1;
+    budget_ = choose_motion(scene_, subject_, *goal, {options_.fps, seconds});
+    scene_ = with_values(scene_, budget_->settings);
+  }
+
   /// What is to move; with pictures, as the method draws it.
   void prepare() {
     if (options_.out.empty()) {
@@ -147,6 +171,7 @@ class Sequence {
     const bool moved = hair().moved();
     const Strands& strands = hair().hair();
     totals_.add("strands", hair().hair_ms());
+    if (k > 0) frame_ms_.push_back(now.chain_ms - before.chain_ms + now.grid_ms - before.grid_ms + hair().hair_ms());
     reports_.push_back({k, simulation().state_hash(), clip_->fastest_m_s(), clip_->fastest_root_m_s(), now.asleep});
     if (!options_.hair_out.empty()) hair::write_strands(strands, numbered(options_.hair_out, k, ".hair"));
     if (options_.out.empty()) return;
@@ -163,7 +188,9 @@ class Sequence {
   }
 
   const SimulateOptions& options_;
-  const Scene& scene_;
+  Scene scene_;
+  std::optional<MotionBudget> budget_;
+  std::vector<double> frame_ms_;
   std::unique_ptr<Drawing> drawing_;  // none without pictures
   Subject subject_;
   std::optional<Clip> clip_;
@@ -184,6 +211,7 @@ void print_json(const Sequence& sequence, const std::vector<LedgerLine>& ledger)
   json["steps"] = sequence.simulation().facts().steps;
   json["dropped_s"] = sequence.simulation().facts().dropped_s;
   if (!ledger.empty()) json["effects"] = json_of(ledger);
+  if (sequence.budget()) json["budget"] = json_of(*sequence.budget(), sequence.median_ms());
   console::print_json(json);
 }
 
@@ -199,9 +227,11 @@ void print_stats(const Sequence& sequence) {
 void simulate(const CLI::App& verb, const SimulateOptions& options) {
   const bool pictures = !options.out.empty();
   if (!options.video.empty() && !pictures) throw UsageError("--video is made from pictures: give -o as well");
-  if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !console::common().json)
+  if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !options.goal() &&
+      !console::common().json)
     throw UsageError(
-        "nothing is asked for: give -o for pictures, --hair-out for hair files, --stats, --explain or --json");
+        "nothing is asked for: give -o for pictures, --hair-out for hair files, --stats, --explain, --budget-ms, "
+        "--target-error or --json");
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
   if (pictures) check_curls(scene);
@@ -216,10 +246,15 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
   sequence.run();
   if (!options.video.empty()) make_video(options.out, sequence.frames(), options.fps, options.video);
   const std::vector<LedgerLine> ledger = options.explain ? sequence.explain() : std::vector<LedgerLine>{};
+  if (sequence.budget() && !sequence.budget()->choice.met) {
+    spdlog::warn("no settings meet the goal: those that come closest were used");
+    console::set_exit_code(console::threshold);
+  }
   if (console::common().json) {
     print_json(sequence, ledger);
     return;
   }
+  if (sequence.budget()) print_budget(*sequence.budget(), sequence.median_ms());
   if (options.stats) print_stats(sequence);
   if (options.explain) print_ledger(ledger);
   for (const std::filesystem::path* const made : {&options.out, &options.hair_out, &options.video})
@@ -239,6 +274,14 @@ void add_simulate(CLI::App& app) {
   verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
   verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
       ->check(console::finite(0.001, 100000));
+  verb->add_option("--budget-ms", o->budget_ms,
+                   "Time for a frame of the simulation: the most accurate settings that keep to it are chosen and "
+                   "printed; exit code 3 where none do")
+      ->check(console::finite(1e-3, 1e6));
+  verb->add_option("--target-error", o->target_mm,
+                   "RMS distance of the hair from a converged run, in mm: the fastest settings that keep to it are "
+                   "chosen and printed; exit code 3 where none do")
+      ->check(console::finite(1e-6, 1e6));
   verb->add_flag("--stats", o->stats, "Print the time of each stage and a hash of the last state");
   verb->add_flag(
       "--explain", o->explain,
