@@ -18,9 +18,6 @@ namespace {
 
 /// Rays per pixel of the truth, both halves together.
 constexpr int kSamples = 256, kQuickSamples = 96;
-/// Hair of more vertices is not smoothed for the truth: its segments are short enough.
-constexpr std::size_t kFewVertices = 400'000;
-constexpr int kSmoothing = 4;
 
 class PictureMeasure final : public Measure {
  public:
@@ -35,8 +32,7 @@ class PictureMeasure final : public Measure {
         framed_camera(bounds, static_cast<float>(image.width) / static_cast<float>(image.height)));
     Scene wanted = scene_;
     wanted.truth.samples = std::max(wanted.truth.samples, request.quick ? kQuickSamples : kSamples);
-    if (hair_.strands.vertices.size() <= kFewVertices)
-      wanted.strands.smoothing = std::max(wanted.strands.smoothing, kSmoothing);
+    wanted.strands.smoothing = truth_smoothing(scene_, hair_.strands);
     const PictureTruth truth(hair_, head_, wanted, camera_);
     halves_ = truth.whole(request.seed, hair_.name);
     truth_ = Image(image.width, image.height);

@@ -31,6 +31,8 @@ class PictureTruth {
 
   /// @param seed  other seeds, independent noise; none is that of `pelage render`     @throws Interrupted
   TruthHalves whole(std::uint64_t seed, const std::string& name) const;
+  /// Of one half, before it is laid over the background, [y][x].
+  std::vector<float> alpha(std::uint64_t seed) const;
   TruthHalves at(std::span<const glm::ivec2> pixels, std::uint64_t seed) const;
 
   const Scene& scene() const noexcept { return scene_; }
@@ -46,6 +48,10 @@ class PictureTruth {
   Camera camera_;
   std::unique_ptr<FibreScene> fibres_;
 };
+
+/// Pieces per segment of the strands that the truth is traced of: the scene's, or enough to show what --smoothing is
+/// worth where segments are few.
+int truth_smoothing(const Scene& scene, const Strands& strands) noexcept;
 
 /// The picture's values at some pixels, [pixel][4].
 std::vector<float> values_at(const Image& image, std::span<const glm::ivec2> pixels);

@@ -7,6 +7,7 @@
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain.h"
 #include "pelage/app/picture.h"
+#include "pelage/app/picture_budget.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
@@ -23,6 +24,7 @@ struct RenderOptions {
   std::shared_ptr<SceneOptions> scene;
   std::string out;
   bool stats = false, explain = false;
+  BudgetOptions budget;
 };
 
 nlohmann::ordered_json stats_of(const Drawing& drawing) {
@@ -42,32 +44,62 @@ void print_stats(const Drawing& drawing) {
   if (drawing.searches() > 0) std::printf("FLANN queries: %llu\n", static_cast<unsigned long long>(drawing.searches()));
 }
 
+/// What was drawn, and with what.
+struct Drawn {
+  Scene scene;
+  Camera camera;
+  std::unique_ptr<Drawing> drawing;
+  Image image;
+  std::optional<Budget> budget;
+};
+
+Drawn draw(const Scene& scene) {
+  Drawn drawn;
+  drawn.scene = scene;
+  drawn.drawing = make_drawing(scene);
+  const ImageSettings& picture = scene.image;
+  const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
+  drawn.camera = scene.camera.value_or(framed_camera(drawn.drawing->bounds(), aspect));
+  drawn.image = drawn.drawing->render(scene, drawn.camera);
+  return drawn;
+}
+
+Drawn draw_within(const CLI::App& verb, const Scene& scene, const Goal& goal) {
+  ChosenPicture c =
+      choose_picture(scene, goal, verb.count("--method") > 0 ? std::optional(scene.method) : std::nullopt);
+  if (!c.budget.choice.met) console::set_exit_code(console::threshold);
+  return {std::move(c.scene), c.camera, std::move(c.drawing), std::move(c.image), std::move(c.budget)};
+}
+
+void print(const RenderOptions& options, Drawn& drawn) {
+  if (console::common().json) {
+    nlohmann::ordered_json json = options.stats ? stats_of(*drawn.drawing) : nlohmann::ordered_json::object();
+    if (options.explain) json["effects"] = json_of(explain_picture(*drawn.drawing, drawn.scene, drawn.camera));
+    if (drawn.budget) json["budget"] = json_of(*drawn.budget);
+    if (!json.empty()) console::print_json(json);
+    return;
+  }
+  if (options.stats) print_stats(*drawn.drawing);
+  if (options.explain) print_ledger(explain_picture(*drawn.drawing, drawn.scene, drawn.camera));
+  if (drawn.budget) print_budget(*drawn.budget);
+  std::printf("%s\n", options.out.c_str());
+}
+
 void render(const CLI::App& verb, const RenderOptions& options) {
   const std::filesystem::path out = options.out;
   check_picture_name(out);
   check_writable(out);
   const Scene scene = resolve_scene(verb, *options.scene);
+  const std::optional<Goal> goal = options.budget.goal();
   std::optional<HeadlessContext> context;
-  if (needs_opengl(scene.method)) {
+  if (needs_opengl(scene.method) || goal) {
     context.emplace();
     spdlog::debug("OpenGL {}", opengl_description());
   }
-  const std::unique_ptr<Drawing> drawing = make_drawing(scene);
-  const ImageSettings& picture = scene.image;
-  const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
-  const Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
-  Image image = drawing->render(scene, camera);
+  Drawn drawn = goal ? draw_within(verb, scene, *goal) : draw(scene);
   console::throw_if_interrupted();  // an earlier picture stays
-  write_picture(std::move(image), scene, out);
-  if (console::common().json) {
-    nlohmann::ordered_json json = options.stats ? stats_of(*drawing) : nlohmann::ordered_json::object();
-    if (options.explain) json["effects"] = json_of(explain_picture(*drawing, scene, camera));
-    if (!json.empty()) console::print_json(json);
-    return;
-  }
-  if (options.stats) print_stats(*drawing);
-  if (options.explain) print_ledger(explain_picture(*drawing, scene, camera));
-  std::printf("%s\n", out.c_str());
+  write_picture(std::move(drawn.image), drawn.scene, out);
+  print(options, drawn);
 }
 
 }  // namespace
@@ -84,6 +116,8 @@ void add_render(CLI::App& app) {
       "--explain", options->explain,
       "Print the ledger: each effect, whether it runs and why, its cost, and how far the picture is from one "
       "with it switched over (four pictures more for each)");
+  add_budget_options(*verb, options->budget, "a frame in which the hair has moved",
+                     "RMSE of linear RGB against the ray-traced truth; chooses the method too, unless --method does");
   console::add_common_options(*verb);
   verb->callback([verb, options] { render(*verb, *options); });
 }
