@@ -105,7 +105,7 @@ struct Scene {
   std::optional<Camera> camera;    // none: framed
   std::vector<Light> lights{Light{}};
   HairMaterial material;
-  Method method = Method::satf;
+  Method method = Method::density_map;
   SatfSettings satf;
   StrandSettings strands;
   ShadowSettings shadow;

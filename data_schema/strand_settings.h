@@ -61,7 +61,7 @@ struct StrandSettings {
   ShadowAt shadow_at = ShadowAt::vertex;
   int smoothing = 1;  // Catmull-Rom pieces per segment, [1, 32]; 1: the polyline as it is
   bool diffuse = true, primary_highlight = true, secondary_highlight = true;
-  bool azimuth = false;  // reflectance around the fibre, the mean over its width; off: its mean over light angles, 1
+  bool azimuth = true;  // reflectance around the fibre, the mean over its width; off: its mean over light angles, 1
   bool operator==(const StrandSettings&) const = default;
 };
 

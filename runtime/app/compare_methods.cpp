@@ -58,7 +58,9 @@ Options printed(Scene& scene) {
   const int resolution = scene.shadow.density_map.resolution;
   scene.shadow.density_map = DensityMapSettings::printed();
   scene.shadow.density_map.resolution = resolution;
-  return {"--method", "density-map", "--density-map", "printed", "--shadow-resolution", std::to_string(resolution)};
+  scene.strands.azimuth = false;
+  return {"--method",    "density-map", "--density-map", "printed", "--shadow-resolution", std::to_string(resolution),
+          "--no-azimuth"};
 }
 
 }  // namespace
@@ -68,7 +70,7 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
       {"truth", "Ray-traced truth",
        "Every crossing of every fibre, one scattering, shadow rays fibre by fibre; the mean of two pictures of "
        "independent rays. Light goes around a fibre by its true normal, unless the scene's truth.azimuth is false; "
-       "strand methods have the mean of that, but for density-map-azimuth. Its error maps show its noise: one of both "
+       "strand methods have its mean over their width. Its error maps show its noise: one of both "
        "pictures against their mean.",
        [](Scene& scene) {
          scene.method = Method::truth;
@@ -91,12 +93,14 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
       strand_row("density-map", "Density map",
                  "Strands as ribbons, shadowed by the light-oriented density map with the scene's settings.",
                  Method::density_map),
-      {"density-map-azimuth", "Density map, light around fibres",
-       "The same with the reflectance around a fibre that the truth and the records have, its mean over the width.",
+      {"density-map-mean", "Density map, mean over light",
+       "The same with the reflectance around a fibre replaced by its mean over all directions of light: darker where "
+       "the "
+       "light comes from behind the viewer, and what strand methods without a model of it have.",
        [](Scene& scene) {
          scene.method = Method::density_map;
-         scene.strands.azimuth = true;
-         return Options{"--method", "density-map", "--azimuth"};
+         scene.strands.azimuth = false;
+         return Options{"--method", "density-map", "--no-azimuth"};
        }},
       {"density-map-printed", "Density map, as printed",
        "The same as the paper prints it: vertices counted, nearest cell, box of constant size.", printed},
@@ -104,12 +108,7 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
                  Method::deep_opacity),
       strand_row("opacity-shadow", "Opacity shadow maps", "Strands as ribbons; slices evenly through the box.",
                  Method::opacity_shadow),
-      strand_row(
-          "unshadowed", "No shadow",
-          "Strands as ribbons, lit as if alone. With light from the front this may come nearer to the truth than "
-          "shadows do: its missing shadow makes up for the light around fibres, which all strand methods but "
-          "density-map-azimuth lack.",
-          Method::unshadowed)};
+      strand_row("unshadowed", "No shadow", "Strands as ribbons, lit as if alone.", Method::unshadowed)};
 }
 
 std::vector<CompareMethod> chosen_methods(const std::string& database, std::span<const std::string> ids) {

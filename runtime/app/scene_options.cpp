@@ -158,7 +158,7 @@ void set_strand_options(const CLI::App& verb, const SceneOptions& o, Scene& scen
     scene.strands.shadow_at =
         choose<ShadowAt>({{"vertex", ShadowAt::vertex}, {"fragment", ShadowAt::fragment}}, o.shadow_at, "--shadow-at");
   }
-  if (o.azimuth) scene.strands.azimuth = true;
+  if (given("--azimuth")) scene.strands.azimuth = o.azimuth;
   if (given("--smoothing")) scene.strands.smoothing = o.smoothing;
   if (given("--samples")) scene.truth.samples = o.samples;
 }
@@ -182,6 +182,15 @@ bool is_scene_file(const std::filesystem::path& file) {
   if (!in) throw InputError(file.string(), "cannot be read");
   const auto json = nlohmann::json::parse(in, nullptr, false);
   return json.is_object() && !(json.contains("clusters") && json["clusters"].is_array());
+}
+
+/// Is the input made of clusters, or does an option speak of nothing else?
+bool asks_for_satf(const CLI::App& verb, const Scene& scene) {
+  constexpr const char* kOfSatf[] = {"--database", "--records", "--neighbours", "--bake-sectors", "--clusters",
+                                     "--layers",   "--sectors", "--plates",     "--self-shadow"};
+  return std::filesystem::path(scene.hair).extension() == ".json" ||
+         std::any_of(std::begin(kOfSatf), std::end(kOfSatf),
+                     [&](const char* option) { return verb.count(option) > 0; });
 }
 
 void check_input(const std::filesystem::path& file) {
@@ -223,9 +232,10 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
                   "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
   verb.add_option("--point-light", o->point_lights,
                   "Position of a point light in metres and its irradiance at 1 m: x,y,z[,i]");
-  verb.add_option("--method", o->method,
-                  "What draws: satf; strand by strand, shadowed by density-map, deep-opacity, opacity-shadow or "
-                  "unshadowed; truth: ray-traced [satf]");
+  verb.add_option(
+      "--method", o->method,
+      "What draws: satf; strand by strand, shadowed by density-map, deep-opacity, opacity-shadow or "
+      "unshadowed; truth: ray-traced [density-map; satf for a hairstyle file, or where an option is of satf alone]");
   verb.add_option("--exposure", o->exposure, "Gain before the sRGB curve")
       ->capture_default_str()
       ->check(console::finite(1e-6, 1e6));
@@ -262,8 +272,9 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--shape", o->shape, "Strands as camera-facing ribbons, or lines one pixel wide [ribbons]");
   verb.add_option("--lobes", o->lobes,
                   "Highlights of strands: scheuermann (two, shifted), kajiya-kay (one) [scheuermann]");
-  verb.add_flag("--azimuth", o->azimuth,
-                "Strands reflect around themselves as the truth's do: brighter towards the light, dark against it");
+  verb.add_flag(
+      "--azimuth,!--no-azimuth", o->azimuth,
+      "Strands reflect around themselves as the truth's do: brighter towards the light, dark against it [on]");
   verb.add_option("--shadow-at", o->shadow_at, "Where strands look their shadow up: vertex, fragment [vertex]");
   verb.add_option("--smoothing", o->smoothing, "Catmull-Rom pieces per segment of a strand")
       ->capture_default_str()
@@ -294,6 +305,7 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
     scene = load_scene(o.input);
   } else {
     scene.hair = o.input;
+    if (asks_for_satf(verb, scene)) scene.method = Method::satf;
   }
   if (given("--head")) scene.head = o.head;
   if (given("--database")) scene.database = o.database;

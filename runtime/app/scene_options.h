@@ -18,7 +18,7 @@ struct SceneOptions {
   std::vector<std::string> lights, point_lights;
   std::vector<std::string> effects_on, effects_off, effects_auto;
   std::vector<std::string> values;  // --set
-  bool azimuth = false;
+  bool azimuth = true;
   float exposure = 1.0F, diameter_um = 0, opacity = 0;
   int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
   int shadow_resolution = 128, smoothing = 1, samples = 16;
