@@ -1,11 +1,8 @@
 #include "pelage/app/motion_budget.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cstdio>
 
-#include "motion_ladder.h"
+#include "ladders.h"
 #include "pelage/app/ladder.h"
 #include "pelage/console/progress.h"
 #include "pelage/data_schema/scene_values.h"
@@ -45,7 +42,7 @@ Probe probe(const ConvergedMotion& converged, const Subject& all, const Scene& s
 
 }  // namespace
 
-MotionBudget choose_motion(const Scene& scene, const Subject& subject, const Goal& goal, ClipLength length) {
+Budget choose_motion(const Scene& scene, const Subject& subject, const Goal& goal, ClipLength length) {
   const Ladder ladder = read_ladder(data::motion_ladder_json, "motion_ladder.json");
   console::Progress progress("choosing settings of the motion", kMostProbes + 1, "probes");
   const ConvergedMotion converged(scene, thinned(subject, kProbedStrands),
@@ -58,46 +55,13 @@ MotionBudget choose_motion(const Scene& scene, const Subject& subject, const Goa
     progress.update(++done);
     return result;
   };
-  MotionBudget budget;
+  Budget budget;
   budget.goal = goal;
   budget.choice = choose(ladder.candidates, goal, measure, kMostProbes);
   budget.settings = ladder.candidates[budget.choice.candidate].settings;
+  budget.error_name = "RMS mm";
   budget.truth = converged.what();
   return budget;
-}
-
-void print_budget(const MotionBudget& budget, double achieved_ms) {
-  const Choice& c = budget.choice;
-  if (!c.met) std::printf("nothing meets it; what comes closest:\n");
-  for (const std::string& setting : budget.settings) std::printf("  --set %s\n", setting.c_str());
-  std::printf("%-22s %12s %12s\n", "", "ms per frame", "RMS mm");
-  const auto row = [](const char* name, const std::string& ms, const std::string& mm) {
-    std::printf("%-22s %12s %12s\n", name, ms.c_str(), mm.c_str());
-  };
-  const auto number = [](double x) { return fmt::format("{:.3g}", x); };
-  row("asked for", budget.goal.budget_ms ? number(*budget.goal.budget_ms) : "",
-      budget.goal.target_error ? number(*budget.goal.target_error) : "");
-  row("predicted", number(c.predicted_ms), number(c.predicted_error));
-  row("probed", number(c.probe.ms), fmt::format("{:.3g}+-{:.2g}", c.probe.error, c.probe.error_bar));
-  row("achieved", number(achieved_ms), "");
-}
-
-nlohmann::ordered_json json_of(const MotionBudget& budget, double achieved_ms) {
-  const Choice& c = budget.choice;
-  nlohmann::ordered_json json;
-  if (budget.goal.budget_ms) json["budget_ms"] = *budget.goal.budget_ms;
-  if (budget.goal.target_error) json["target_error_mm"] = *budget.goal.target_error;
-  json["met"] = c.met;
-  json["settings"] = budget.settings;
-  json["predicted_ms"] = c.predicted_ms;
-  json["predicted_error_mm"] = c.predicted_error;
-  json["probed_ms"] = c.probe.ms;
-  json["probed_error_mm"] = c.probe.error;
-  json["error_bar_mm"] = c.probe.error_bar;
-  json["achieved_ms"] = achieved_ms;
-  json["probes"] = c.tried.size();
-  json["truth"] = budget.truth;
-  return json;
 }
 
 }  // namespace pelage::app

@@ -6,25 +6,12 @@
 // Errors are those of converged_motion.h on at most kProbedStrands of the hair's strands; times of all of them.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
+#include "pelage/app/budget.h"
 #include "pelage/app/converged_motion.h"
-#include "pelage/tradeoff/choice.h"
 
 namespace pelage::app {
 
-struct MotionBudget {
-  Goal goal;
-  Choice choice;
-  std::vector<std::string> settings;  // chosen (data_schema/scene_values.h)
-  std::string truth;                  // a sentence: what errors are measured against
-};
-
 /// @param length  of the sequence; the probes' is at most a second    @throws SimulationError, Interrupted, UsageError
-MotionBudget choose_motion(const Scene& scene, const Subject& subject, const Goal& goal, ClipLength length);
-
-/// Settings as options, then goals, predictions and what was measured. @param achieved_ms  a frame of the sequence
-void print_budget(const MotionBudget& budget, double achieved_ms);
-nlohmann::ordered_json json_of(const MotionBudget& budget, double achieved_ms);
+Budget choose_motion(const Scene& scene, const Subject& subject, const Goal& goal, ClipLength length);
 
 }  // namespace pelage::app

@@ -39,15 +39,8 @@ struct SimulateOptions {
   std::shared_ptr<SimulationOptions> simulation;
   std::filesystem::path out, hair_out, video;
   double fps = 30, seconds = 0;
-  double budget_ms = 0, target_mm = 0;
+  BudgetOptions budget;
   bool stats = false, explain = false;
-
-  std::optional<Goal> goal() const {
-    Goal goal;
-    if (budget_ms > 0) goal.budget_ms = budget_ms;
-    if (target_mm > 0) goal.target_error = target_mm;
-    return goal.budget_ms || goal.target_error ? std::optional(goal) : std::nullopt;
-  }
 };
 
 constexpr double kMiB = 1048576.0;
@@ -113,6 +106,7 @@ class Sequence {
       frame(k);
       progress.update(static_cast<std::uint64_t>(k) + 1);
     }
+    if (budget_) budget_->achieved_ms = median_ms();
   }
 
   int frames() const { return clip_->frames(); }
@@ -122,14 +116,14 @@ class Sequence {
     return explain_motion(subject_, scene_, options_.fps, options_.seconds, drawing_.get(), camera_);
   }
   const Simulation& simulation() const { return hair().simulation(); }
-  const std::optional<MotionBudget>& budget() const { return budget_; }
+  const std::optional<Budget>& budget() const { return budget_; }
   /// Chains, voxels and strands of a frame, the median; the first, in which nothing moves, does not count.
   double median_ms() const { return median_of(frame_ms_); }
 
  private:
   /// Those that meet --budget-ms and --target-error.
   void choose_settings() {
-    const std::optional<Goal> goal = options_.goal();
+    const std::optional<Goal> goal = options_.budget.goal();
     if (!goal) return;
     const double seconds = options_.seconds > 0 ? options_.seconds : 1;
     budget_ = choose_motion(scene_, subject_, *goal, {options_.fps, seconds});
@@ -189,7 +183,7 @@ class Sequence {
 
   const SimulateOptions& options_;
   Scene scene_;
-  std::optional<MotionBudget> budget_;
+  std::optional<Budget> budget_;
   std::vector<double> frame_ms_;
   std::unique_ptr<Drawing> drawing_;  // none without pictures
   Subject subject_;
@@ -211,7 +205,7 @@ void print_json(const Sequence& sequence, const std::vector<LedgerLine>& ledger)
   json["steps"] = sequence.simulation().facts().steps;
   json["dropped_s"] = sequence.simulation().facts().dropped_s;
   if (!ledger.empty()) json["effects"] = json_of(ledger);
-  if (sequence.budget()) json["budget"] = json_of(*sequence.budget(), sequence.median_ms());
+  if (sequence.budget()) json["budget"] = json_of(*sequence.budget());
   console::print_json(json);
 }
 
@@ -227,7 +221,7 @@ void print_stats(const Sequence& sequence) {
 void simulate(const CLI::App& verb, const SimulateOptions& options) {
   const bool pictures = !options.out.empty();
   if (!options.video.empty() && !pictures) throw UsageError("--video is made from pictures: give -o as well");
-  if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !options.goal() &&
+  if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !options.budget.goal() &&
       !console::common().json)
     throw UsageError(
         "nothing is asked for: give -o for pictures, --hair-out for hair files, --stats, --explain, --budget-ms, "
@@ -254,7 +248,7 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
     print_json(sequence, ledger);
     return;
   }
-  if (sequence.budget()) print_budget(*sequence.budget(), sequence.median_ms());
+  if (sequence.budget()) print_budget(*sequence.budget());
   if (options.stats) print_stats(sequence);
   if (options.explain) print_ledger(ledger);
   for (const std::filesystem::path* const made : {&options.out, &options.hair_out, &options.video})
@@ -274,14 +268,8 @@ void add_simulate(CLI::App& app) {
   verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
   verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
       ->check(console::finite(0.001, 100000));
-  verb->add_option("--budget-ms", o->budget_ms,
-                   "Time for a frame of the simulation: the most accurate settings that keep to it are chosen and "
-                   "printed; exit code 3 where none do")
-      ->check(console::finite(1e-3, 1e6));
-  verb->add_option("--target-error", o->target_mm,
-                   "RMS distance of the hair from a converged run, in mm: the fastest settings that keep to it are "
-                   "chosen and printed; exit code 3 where none do")
-      ->check(console::finite(1e-6, 1e6));
+  add_budget_options(*verb, o->budget, "a frame's chains, voxels and strands",
+                     "RMS distance of the hair from a converged run [mm]");
   verb->add_flag("--stats", o->stats, "Print the time of each stage and a hash of the last state");
   verb->add_flag(
       "--explain", o->explain,

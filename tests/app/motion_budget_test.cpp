@@ -9,7 +9,7 @@
 #include <array>
 #include <functional>
 
-#include "motion_ladder.h"
+#include "ladders.h"
 #include "pelage/app/ladder.h"
 #include "pelage/app/motion_budget.h"
 #include "pelage/app/repeat.h"
@@ -126,7 +126,7 @@ TEST(MotionBudget, TargetsHoldOnNineOfTenHeldOutSequences) {
     const double target = truth.error_of(truth.run(with_values(c.scene, coarse))).rms_mm / 2.5;
     Goal goal;
     goal.target_error = target;
-    const MotionBudget budget = choose_motion(c.scene, c.subject, goal, kSequence);
+    const Budget budget = choose_motion(c.scene, c.subject, goal, kSequence);
     const double achieved = truth.error_of(truth.run(with_values(c.scene, budget.settings))).rms_mm;
     std::printf("%-32s target %.2f mm: predicted %.2f, probed %.2f, achieved %.2f, %zu probes, %s\n", h.name, target,
                 budget.choice.predicted_error, budget.choice.probe.error, achieved, budget.choice.tried.size(),
@@ -150,7 +150,7 @@ TEST(MotionBudget, BudgetsHoldOnNineOfTenHeldOutSequences) {
     constexpr double kRatio = 0.4;
     Goal goal;
     goal.budget_ms = kRatio * least_ms(c);
-    const MotionBudget budget = choose_motion(c.scene, c.subject, goal, {30, 0.5});
+    const Budget budget = choose_motion(c.scene, c.subject, goal, {30, 0.5});
     const double ratio = time_ratio(c, with_values(c.scene, budget.settings));
     std::printf("%-32s budget %.2f ms: predicted %.2f, probed %.2f ms, %.2f mm; achieved ratio %.2f for %.2f, %s\n",
                 h.name, *goal.budget_ms, budget.choice.predicted_ms, budget.choice.probe.ms, budget.choice.probe.error,
@@ -167,10 +167,10 @@ TEST(MotionBudget, SaysThatNothingMeetsIt) {
   const Case c = make_case(kHeldOut[1]);
   Goal goal;
   goal.target_error = 1e-3;
-  const MotionBudget budget = choose_motion(c.scene, c.subject, goal, {30, 0.2});
+  const Budget budget = choose_motion(c.scene, c.subject, goal, {30, 0.2});
   EXPECT_FALSE(budget.choice.met);
   EXPECT_GT(budget.choice.probe.error + budget.choice.probe.error_bar, 1e-3);
-  const auto json = json_of(budget, 1);
+  const auto json = json_of(budget);
   EXPECT_EQ(json["met"], false);
   EXPECT_EQ(json["settings"], budget.settings);
 }
