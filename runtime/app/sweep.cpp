@@ -163,12 +163,14 @@ class MeasureSweep {
   void add(const Point& point) {
     console::throw_if_interrupted();
     TradeoffRow row = begin(point);
+    const std::string what = what_is_measured(row);
     if (std::optional<TradeoffRow> known = read_back(row)) {
       row = std::move(*known);
     } else {
-      measure_point(point, row);
+      measure_point(point, what, row);
       write_row(row, file_of(row.id));
     }
+    measured_.emplace(what, diagram_.rows.size());
     diagram_.rows.push_back(std::move(row));
   }
 
@@ -201,11 +203,20 @@ class MeasureSweep {
     }
   }
 
-  void measure_point(const Point& point, TradeoffRow& row) {
+  /// The same for points whose scenes and threads are.
+  std::string what_is_measured(const TradeoffRow& row) const {
     try {
       const Scene scene = with_values(request_.measure.scene, row.settings);
-      const std::string scene_text = to_json(scene) + "@" + std::to_string(row.origin.threads);
-      if (const auto twin = measured_.find(scene_text); twin != measured_.end()) {
+      return to_json(scene) + "@" + std::to_string(row.origin.threads);
+    } catch (const UsageError&) {
+      return row.id;  // no scene has these settings: measure_point() says why
+    }
+  }
+
+  void measure_point(const Point& point, const std::string& what, TradeoffRow& row) {
+    try {
+      const Scene scene = with_values(request_.measure.scene, row.settings);
+      if (const auto twin = measured_.find(what); twin != measured_.end()) {
         copy_figures(diagram_.rows.at(twin->second), row);
       } else {
         std::optional<tbb::global_control> threads;
@@ -214,7 +225,6 @@ class MeasureSweep {
         Measured m = measure().measure(scene);
         threads.reset();
         fill(std::move(m), row);
-        measured_[scene_text] = diagram_.rows.size();
       }
       row.command = command_of(row);
     } catch (const Interrupted&) {

@@ -49,9 +49,10 @@ TEST(NoisyError, NoiseOfTheTruthIsNotCountedAndItsErrorBarIsRight) {
       sum += e.rmse * e.rmse, squares += e.rmse, bars += e.standard_error;
     }
     const double mean = squares / kTrials, deviation = std::sqrt(std::max(sum / kTrials - mean * mean, 0.0));
-    if (error > .01F)
+    if (error > .01F) {
       EXPECT_NEAR(mean, double(error), .06 * double(error))
-          << "half of the noise would make it " << std::hypot(double(error), .035);
+          << "with the noise in it: " << std::hypot(double(error), .035);
+    }
     // Of a distribution cut at 0 where noise hides the error, within a factor.
     EXPECT_NEAR(bars / kTrials / deviation, 1, error > .01F ? .15 : .6) << error;
   }
