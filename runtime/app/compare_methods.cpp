@@ -79,8 +79,8 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
       satf_row("satf-direct", "SATF, direct records", "Every sector traced for every view and light: no database.",
                RecordsFrom::direct, SelfShadow::light),
       satf_row("satf-adapted", "SATF, adapted records",
-               "Records baked from this hair; self-shadow along the light's ray. What `pelage render` does by default.",
-               RecordsFrom::database, SelfShadow::light),
+               "Records baked from this hair; self-shadow along the light's ray.", RecordsFrom::database,
+               SelfShadow::light),
       satf_row("satf-own-alpha", "SATF, own alpha",
                "Opacity from each sector's own strands, reflectance from the adapted records.", RecordsFrom::own_alpha,
                SelfShadow::light),
@@ -90,13 +90,14 @@ std::vector<CompareMethod> known_methods(const std::string& database) {
                RecordsFrom::database, SelfShadow::paper),
       satf_row("satf-no-self-shadow", "SATF without self-shadow", "Adapted records; clusters shadow one another only.",
                RecordsFrom::database, SelfShadow::none),
-      strand_row("density-map", "Density map",
-                 "Strands as ribbons, shadowed by the light-oriented density map with the scene's settings.",
-                 Method::density_map),
+      strand_row(
+          "density-map", "Density map",
+          "Strands as ribbons, shadowed by the light-oriented density map with the scene's settings. What `pelage "
+          "render` does by default.",
+          Method::density_map),
       {"density-map-mean", "Density map, mean over light",
        "The same with the reflectance around a fibre replaced by its mean over all directions of light: darker where "
-       "the "
-       "light comes from behind the viewer, and what strand methods without a model of it have.",
+       "the light comes from behind the viewer, and what strand methods without a model of it have.",
        [](Scene& scene) {
          scene.method = Method::density_map;
          scene.strands.azimuth = false;

@@ -185,10 +185,10 @@ bool is_scene_file(const std::filesystem::path& file) {
 }
 
 /// Is the input made of clusters, or does an option speak of nothing else?
-bool asks_for_satf(const CLI::App& verb, const Scene& scene) {
+bool asks_for_satf(const CLI::App& verb, const SceneOptions& o) {
   constexpr const char* kOfSatf[] = {"--database", "--records", "--neighbours", "--bake-sectors", "--clusters",
                                      "--layers",   "--sectors", "--plates",     "--self-shadow"};
-  return std::filesystem::path(scene.hair).extension() == ".json" ||
+  return std::filesystem::path(o.input).extension() == ".json" || o.order == "patches" || o.order == "clusters" ||
          std::any_of(std::begin(kOfSatf), std::end(kOfSatf),
                      [&](const char* option) { return verb.count(option) > 0; });
 }
@@ -305,7 +305,7 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
     scene = load_scene(o.input);
   } else {
     scene.hair = o.input;
-    if (asks_for_satf(verb, scene)) scene.method = Method::satf;
+    if (asks_for_satf(verb, o)) scene.method = Method::satf;
   }
   if (given("--head")) scene.head = o.head;
   if (given("--database")) scene.database = o.database;

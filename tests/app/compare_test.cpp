@@ -223,10 +223,14 @@ TEST_F(Compare, TheTruthIsOfTheSameCurves) {
 }
 
 TEST_F(Compare, RowsGiveTheDrawingOrderWhereItIsTheirs) {
-  const auto rows = rows_of(
-      json_of(compare("@scene.json", {"--json", "--methods", "satf-adapted,unshadowed", "--order", "clusters"})));
+  const auto rows = rows_of(json_of(compare("@groom.hair", {"--json", "--methods", "satf-adapted,unshadowed",
+                                                            "--bake-sectors", "150", "--order", "clusters"})));
   EXPECT_THAT(rows.at("satf-adapted").at("command"), HasSubstr("--order clusters"));
   EXPECT_THAT(rows.at("unshadowed").at("command"), testing::Not(HasSubstr("--order")));
+  const auto of_strands = rows_of(
+      json_of(compare("@scene.json", {"--json", "--methods", "satf-adapted,unshadowed", "--order", "weighted"})));
+  EXPECT_THAT(of_strands.at("satf-adapted").at("command"), testing::Not(HasSubstr("--order")));
+  EXPECT_THAT(of_strands.at("unshadowed").at("command"), HasSubstr("--order weighted"));
 }
 
 TEST_F(Compare, AnimatedComparesEveryFrame) {

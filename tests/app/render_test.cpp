@@ -263,6 +263,7 @@ TEST_F(Render, InterruptedBakeResumes) {
   // Records of 1/2 MB that take long to trace.
   nlohmann::json scene = {{"version", 1},
                           {"hair", kExamples + "lock.hairstyle.json"},
+                          {"method", "satf"},
                           {"bake",
                            {{"sectors", 800},
                             {"views", 64},

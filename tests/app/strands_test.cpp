@@ -50,10 +50,12 @@ TEST_F(StrandMethods, EachDrawsAPictureAndShadowsDarken) {
 }
 
 TEST_F(StrandMethods, DensityMapIsTheTruthsPicture) {
-  // Without the azimuthal term, which density maps do not have (DESIGN section 3). Both are means over a pixel: 36 rays
-  // leave .02 of noise in a pixel that half of them meet hair in, 4x4 samples less.
+  // Without the azimuthal term, whose mean over the width leaves out where in the width light is (DESIGN section 3).
+  // Both are means over a pixel: 36 rays leave .02 of noise in a pixel that half of them meet hair in, 4x4 samples
+  // less.
   const std::string scene =
       R"({"version": 1, "hair": "h.hair", "head": "head.obj", "truth": {"azimuth": false, "samples": 36},
+    "strands": {"azimuth": false},
     "image": {"width": 60, "height": 60, "supersampling": 4, "background": "transparent"}})";
   folder.write("s.json", scene);
   const Result map = run(folder, {"render", "@s.json", "--method", "density-map", "-o", "@map.exr"});
@@ -102,7 +104,7 @@ TEST_F(StrandMethods, WrongOptionsAreNamed) {
   };
   expect({"--method", "magic"}, "--method: 'magic' is not one of deep-opacity, density-map");
   expect({"--method", "density-map", "--order", "patches"}, "--order: 'patches' is not one of exact, sorted, weighted");
-  expect({"--order", "weighted"}, "--order: 'weighted' is not one of clusters, exact, patches");
+  expect({"--method", "satf", "--order", "weighted"}, "--order: 'weighted' is not one of clusters, exact, patches");
   expect({"--density-map", "better"}, "--density-map: 'better' is not one of corrected, printed");
   expect({"--point-light", "0,1"}, "--point-light: '0,1' has 2 numbers; give 3 to 4");
   expect({"--point-light", "0,1e10,0"}, "'1e10' in '0,1e10,0' is beyond 1000000");

@@ -108,7 +108,7 @@ TEST(SceneJson, EachKeyIsRead) {
       R"("self_shadow_strength":2.0,"global_shadow":false,"shadow_resolution":9,"fade_ends":false,"drift":false,)"
       R"("curvature":false,"draw_order":"exact","records":"direct","neighbours":3},)"
       R"("strands":{"shape":"lines","order":"weighted","lobes":"kajiya-kay","shadow_at":"fragment","smoothing":5,)"
-      R"("diffuse":false,"primary_highlight":false,"secondary_highlight":false,"azimuth":true},)"
+      R"("diffuse":false,"primary_highlight":false,"secondary_highlight":false,"azimuth":false},)"
       R"("shadow":{"density_map":{"resolution":33,"factor":2.0,"area":false,"split":false,"trilinear_deposit":false,)"
       R"("centred_lookup":false,"interpolate_depth":true,"footprint_m":0.5,"filter":false,"fitted":false,)"
       R"("extent_m":0.75,"adaptive_slices":true},"opacity_map":{"resolution":44,"layers":3,"slices":55}},)"

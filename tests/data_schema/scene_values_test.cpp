@@ -34,7 +34,7 @@ std::string refusal(const std::string& value) {
 TEST(SceneValues, SetsNumbersWordsSwitchesAndLists) {
   EXPECT_EQ(with({"shadow.density_map.resolution=64"}).shadow.density_map.resolution, 64);
   EXPECT_EQ(with({"method=truth"}).method, Method::truth);
-  EXPECT_TRUE(with({"strands.azimuth=true"}).strands.azimuth);
+  EXPECT_FALSE(with({"strands.azimuth=false"}).strands.azimuth);
   EXPECT_EQ(with({"lights.0.intensity=2.5"}).lights[0].intensity, 2.5F);
   EXPECT_EQ(with({"lights.0.direction=[0,0,1]"}).lights[0].direction, glm::vec3(0, 0, 1));
   EXPECT_EQ(with({"simulation.life.step_s=0.004"}).simulation.life.step_s, 0.004);
@@ -73,10 +73,10 @@ TEST(SceneValues, ChangesTellOneSceneFromAnother) {
   EXPECT_TRUE(changed_values(base(), to).empty());
   to.shadow.density_map.resolution = 64;
   to.satf.neighbours = 3;
-  to.method = Method::density_map;
+  to.method = Method::satf;
   to.lights[0].intensity = 2;
   EXPECT_THAT(changed_values(base(), to),
-              UnorderedElementsAre("lights.0.intensity=2.0", "method=density-map", "satf.neighbours=3",
+              UnorderedElementsAre("lights.0.intensity=2.0", "method=satf", "satf.neighbours=3",
                                    "shadow.density_map.resolution=64"));
 }
 

@@ -163,6 +163,7 @@ class DrawnClusters : public test::WithOpenGl {
  protected:
   static Scene scene() {
     Scene s;
+    s.method = Method::satf;
     s.satf.shadow_resolution = 24;
     s.camera = Camera{{0, 0, 0.6F}, {0, 0, 0}};
     return s;
