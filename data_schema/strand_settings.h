@@ -13,7 +13,7 @@ struct DensityMapSettings {
   float factor = 1.0F;             // the paper's f as a multiple of its calibrated value, >= 0
   bool area = true;                // deposit a D len sin(segment, light); off: count vertices
   bool split = true;               // pieces of at most half a cell; off: one deposit per vertex or segment
-  bool trilinear_deposit = true;   // off: into the nearest cell
+  bool trilinear_deposit = false;  // on: into the eight nearest cells; off: into the nearest
   bool centred_lookup = true;      // off: a cell's value sits at its far corner
   bool interpolate_depth = false;  // on: depth is interpolated, the exponential taken at lookup
   float footprint_m =

@@ -94,9 +94,10 @@ std::vector<ShadowRow> shadow_rows(const ShadowSettings& base, std::vector<int> 
   map("  + values at cell centres", step_at, step);
   step.split = true;
   map("  + segments cut to half cells", step_at, step);
-  step.trilinear_deposit = true;
-  map("  + trilinear deposit", step_at, step);
   for (const int r : resolutions) map("density map", r, base.density_map);
+  DensityMapSettings trilinear = base.density_map;
+  trilinear.trilinear_deposit = true;
+  map("density map, trilinear deposit", step_at, trilinear);
   DensityMapSettings adaptive = base.density_map;
   adaptive.adaptive_slices = true;
   map("density map, adaptive slices", step_at, adaptive);

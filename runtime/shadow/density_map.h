@@ -3,8 +3,9 @@
 // Three stages, each one function with its own time: fill (hair into cells), accumulate (along the light),
 // transmittance (filter: read at points). As the paper prints it, or corrected [DESIGN section 6], each correction a
 // switch of DensityMapSettings:
-// - a segment deposits the area a D len sin(segment, light) that it blocks, not a count per vertex; cut to half cells,
-//   spread trilinearly;
+// - a segment deposits the area a D len sin(segment, light) that it blocks, not a count per vertex, in pieces of half a
+//   cell; spreading each trilinearly over eight cells costs time and, at 128^3, accuracy (10,000 wavy strands: RMSE
+//   .032 against .027), since hair is not as blurred as that. It stays as a switch;
 // - values sit at cell centres and count half of their own cell, so that a fibre shadows itself by half;
 // - transmittance is interpolated, as the paper has it: interpolating depth instead (DESIGN section 6) triples the bias
 //   in clumped hair and adds a third to the error (10,000 wavy strands, 128^3: RMSE .043 against .033, bias -.013

@@ -2,8 +2,8 @@
 // found without building one. DESIGN section 8: no cell denser than epsilon, no shadow map.
 //
 // Hair is deposited into square columns along the light, as wide as a cell of the map. A map's own columns may lie
-// between these, and spread what they receive over two cells a side: what one of them holds lies within three by three
-// of the columns here. So no map with these cells or larger holds more than the greatest sum over three by three.
+// between these, and may spread what they receive over two cells a side: what one of them holds lies within three by
+// three of the columns here. So no map with these cells or larger holds more than the greatest sum over three by three.
 #pragma once
 
 #include "pelage/data_schema/scene.h"

@@ -109,7 +109,7 @@ TEST(SceneJson, EachKeyIsRead) {
       R"("curvature":false,"draw_order":"exact","records":"direct","neighbours":3},)"
       R"("strands":{"shape":"lines","order":"weighted","lobes":"kajiya-kay","shadow_at":"fragment","smoothing":5,)"
       R"("diffuse":false,"primary_highlight":false,"secondary_highlight":false,"azimuth":false},)"
-      R"("shadow":{"density_map":{"resolution":33,"factor":2.0,"area":false,"split":false,"trilinear_deposit":false,)"
+      R"("shadow":{"density_map":{"resolution":33,"factor":2.0,"area":false,"split":false,"trilinear_deposit":true,)"
       R"("centred_lookup":false,"interpolate_depth":true,"footprint_m":0.5,"filter":false,"fitted":false,)"
       R"("extent_m":0.75,"adaptive_slices":true},"opacity_map":{"resolution":44,"layers":3,"slices":55}},)"
       R"("truth":{"rays":66,"footprint_m":0.25,"samples":77,"stop_below":0.125,"azimuth":false},)"

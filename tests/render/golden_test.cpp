@@ -95,6 +95,7 @@ Image strand_picture(StrandSettings strands) {
   frame.strands = strands;
   frame.shadow.density_map.resolution = 32;
   frame.shadow.density_map.footprint_m = 0.002F;
+  frame.shadow.density_map.trilinear_deposit = true;
   StrandFrame hair(test::strand_lock(400, 12), 0.6F, test::wall());
   Image image = hair.render(frame, 100, 140, 2);
   compose_over(image, glm::vec3(0.85F));

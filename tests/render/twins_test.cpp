@@ -227,9 +227,9 @@ TEST_F(Twins, GpuShadowEqualsCpuShadow) {
   };
   using D = DensityMapSettings;
   for (const ShadowSettings& settings :
-       {with(16, [](D&) {}), with(128, [](D&) {}), with(64, [](D& d) { d.interpolate_depth = true; }),
-        with(64, [](D& d) { d.interpolate_depth = false; }), with(64, [](D& d) { d.centred_lookup = false; }),
-        with(64, [](D& d) { d.fitted = false; })}) {
+       {with(16, [](D&) {}), with(128, [](D&) {}), with(64, [](D& d) { d.trilinear_deposit = true; }),
+        with(64, [](D& d) { d.interpolate_depth = true; }), with(64, [](D& d) { d.interpolate_depth = false; }),
+        with(64, [](D& d) { d.centred_lookup = false; }), with(64, [](D& d) { d.fitted = false; })}) {
     const auto shadow = make_shadow(Method::density_map, settings, strands, 0.6F, Light{});
     const auto map = shadow->depth_texture();
     ASSERT_TRUE(map);

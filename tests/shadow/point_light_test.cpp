@@ -116,9 +116,19 @@ TEST(PointLight, NothingGetsThroughAFibreAtTheLight) {
   hair.diameter_m = 1e-3F;
   hair.append(std::array{glm::vec3(-0.01F, 0, 0), glm::vec3(0.01F, 0, 0)});
   const glm::vec3 light(0, 1e-3F, 0);  // the fibre covers 53 degrees
-  const DensityMap map({}, hair, 1.0F, light_at(light));
-  EXPECT_LT(map.transmittance({0, -0.1F, 0}), 1e-3F);
-  EXPECT_EQ(map.transmittance({0, 0.1F, 0}), 1.0F);
+  for (const bool spread : {true, false}) {
+    DensityMapSettings settings;
+    settings.trilinear_deposit = spread;
+    const DensityMap map(settings, hair, 1.0F, light_at(light));
+    float darkest = 1;  // its middle is between two rows of cells, and spread into both
+    for (int i = -500; i <= 500; ++i)
+      darkest = std::min(darkest, map.transmittance({0, -0.1F, 1e-5F * static_cast<float>(i)}));
+    EXPECT_LT(darkest, 0.01F);  // half a step away from the row's middle: cells are 1.6 mm here
+    if (spread) {
+      EXPECT_LT(map.transmittance({0, -0.1F, 0}), 1e-3F);
+    }
+    EXPECT_EQ(map.transmittance({0, 0.1F, 0}), 1.0F);
+  }
 }
 
 TEST(PointLight, OddPlacesGiveFiniteShadows) {

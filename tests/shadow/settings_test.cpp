@@ -273,7 +273,7 @@ TEST(DensityMapDeposit, TakesWidthsOfVertices) {
   EXPECT_NEAR(map.deposited_area_m2(), expected, 1e-4 * expected);
 }
 
-void expect_footprint(bool along_z) {
+void expect_footprint(bool along_z, bool spread) {
   // One opaque-ish fibre across the light: behind it, T averaged over a disc of radius r has a profile of that width.
   Strands hair;
   hair.diameter_m = 1e-3F;
@@ -283,6 +283,7 @@ void expect_footprint(bool along_z) {
   for (const int resolution : {512, 100}) {
     DensityMapSettings settings;
     settings.resolution = resolution;
+    settings.trilinear_deposit = spread;
     settings.footprint_m = 0.004F;
     const DensityMap map(settings, hair, 0.02F, light_from({0, 1, 0}));
     double sum = 0, first = 0, square = 0;
@@ -293,15 +294,18 @@ void expect_footprint(bool along_z) {
       first += x * dark;
       square += x * x * dark;
     }
-    EXPECT_NEAR(std::sqrt(square / sum), 0.5 * 0.004, 0.05 * 0.002)
+    const double aside = first / sum;  // a fibre that is not spread lies in the middle of its cell
+    EXPECT_NEAR(std::sqrt(square / sum - aside * aside), 0.5 * 0.004, spread ? 0.05 * 0.002 : 0.2 * 0.002)
         << "a disc's standard deviation along an axis is r / 2";
-    EXPECT_NEAR(first / sum, 0, 2e-5) << "around where it is read";
+    EXPECT_NEAR(aside, 0, spread ? 2e-5 : 0.51 * double(map.cell_size_m())) << "around where it is read";
   }
 }
 
 TEST(DensityMapFootprint, AveragesOverItsDiscWhereCellsAreFiner) {
-  expect_footprint(true);
-  expect_footprint(false);
+  for (const bool spread : {true, false}) {
+    expect_footprint(true, spread);
+    expect_footprint(false, spread);
+  }
 }
 
 TEST(DensityMapTexture, IsWhatTheMapReads) {
