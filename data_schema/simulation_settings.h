@@ -104,7 +104,7 @@ struct MotionSettings {
 };
 
 struct LifeSettings {
-  double step_s = 1.0 / 480;   // internal step, [1/2000, 1/60]
+  double step_s = 1.0 / 240;   // internal step, [1/2000, 1/60]
   double catch_up_s = 0.25;    // longest time simulated for one frame; what is beyond is dropped, (0, 100]
   double settle_s = 1;         // simulated before a sequence's first frame, [0, 100]
   float max_speed_m_s = 0;     // cap of the kinematic velocity; 0: none
@@ -116,7 +116,7 @@ struct LifeSettings {
 
 struct SimulationSettings {
   std::string name = "loose";  // of the preset that it began with
-  int vertices = 16;           // of the longest strand's centre line, [2, 256]; shorter ones have fewer
+  int vertices = 24;           // of the longest strand's centre line, [2, 256]; shorter ones have fewer
   bool detail = true;          // what the centre line leaves out rides on it; off: the centre line is the hair
   int wisps = 0;               // 0: every strand is simulated; else guides: three for each wisp; [0, 100000]
   ChainSettings chain;

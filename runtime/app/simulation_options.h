@@ -11,8 +11,8 @@ namespace pelage::app {
 
 struct SimulationOptions {
   std::string preset, motion, solver, wind;
-  double settle_s = 1, steps_per_s = 480, amplitude = 1, speed = 1;
-  int vertices = 16, wisps = 0;
+  double settle_s = 1, steps_per_s = 240, amplitude = 1, speed = 1;
+  int vertices = 24, wisps = 0;
 };
 
 /// Adds the options; the returned object is filled when the command line is parsed and must outlive the callback.

@@ -18,7 +18,7 @@ inline constexpr Vec kDown{0, -1, 0};
 /// frame: unbounded 14 % of the strands spin, saturating at 1.5 segments 1 %, at one none (nor with 8 or 32 vertices,
 /// steps of 1/240 to 1/960 s, damping of .5 /s); a sharp bound at half a segment stops them too, but throws tips at 3.6
 /// times the roots' speed (this: 1.4). To second order without effect, so the scheme converges as before; segments
-/// should be longer than N g h^2 (.6 mm for 16 vertices at 1/480 s).
+/// should be longer than N g h^2 (4 mm for 24 vertices at 1/240 s, .6 mm for 16 at 1/480 s).
 inline constexpr float kSaturated = 1.5F;
 
 /// A block's strands during one step.
