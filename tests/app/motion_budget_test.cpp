@@ -73,6 +73,8 @@ Case make_case(const HeldOut& h) {
       h.name, hair::groom({.style = h.style, .strands = h.strands, .seed = h.seed, .length_scale = h.length}), 0.6F};
   c.scene.hair = "hair";
   c.scene.simulation = simulation_preset(h.preset);
+  c.scene.simulation.life.step_s = 1.0 / 480;  // what budgets below are a share of
+  c.scene.simulation.vertices = 16;
   c.scene.simulation.life.settle_s = 0.3;
   c.scene = with_values(c.scene, h.settings);
   return c;
