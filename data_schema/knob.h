@@ -15,6 +15,7 @@ enum class MeasureKind {
   transmittance,  // T at vertices of the hair, against ray-traced T*
   records,        // radiance of the hairstyle's sectors out of a database, against tracing each
   picture,        // the scene's picture, against the ray-traced truth
+  curve,          // the drawn polyline, against the curve through its vertices
   motion,         // places of the hair over a clip, against a converged run
   period          // of a hanging chain, against the zeros of Laguerre polynomials
 };

@@ -49,6 +49,7 @@ struct MeasureRequest {
 std::unique_ptr<Measure> measure_transmittance(const MeasureRequest& request);
 std::unique_ptr<Measure> measure_records(const MeasureRequest& request);
 std::unique_ptr<Measure> measure_picture(const MeasureRequest& request);
+std::unique_ptr<Measure> measure_curve(const MeasureRequest& request);
 std::unique_ptr<Measure> measure_motion(const MeasureRequest& request);
 std::unique_ptr<Measure> measure_period(const MeasureRequest& request);
 

@@ -32,7 +32,6 @@ class PictureMeasure final : public Measure {
         framed_camera(bounds, static_cast<float>(image.width) / static_cast<float>(image.height)));
     Scene wanted = scene_;
     wanted.truth.samples = std::max(wanted.truth.samples, request.quick ? kQuickSamples : kSamples);
-    wanted.strands.smoothing = truth_smoothing(scene_, hair_.strands);
     const PictureTruth truth(hair_, head_, wanted, camera_);
     halves_ = truth.whole(request.seed, hair_.name);
     truth_ = Image(image.width, image.height);
@@ -76,14 +75,10 @@ class PictureMeasure final : public Measure {
               "RMSE of linear RGB",
               "",
               "a frame in which the hair has moved: everything but reading, fitting and baking",
-              fmt::format("The ray-traced picture, {} x {} pixels, {} rays each in two independent halves{}. The mean "
-                          "of (x - a)(x - b) over the halves a and b has none of their noise in it, which is {:.4f} in "
+              fmt::format("The ray-traced picture, {} x {} pixels, {} rays each in two independent halves. The mean of "
+                          "(x - a)(x - b) over the halves a and b has none of their noise in it, which is {:.4f} in "
                           "their mean; the error bar is what that noise leaves open.",
-                          wanted.image.width, wanted.image.height, wanted.truth.samples,
-                          wanted.strands.smoothing > 1 ? fmt::format(", of strands smoothed with {} pieces per segment",
-                                                                     wanted.strands.smoothing)
-                                                       : "",
-                          0.5 * own.rmse)};
+                          wanted.image.width, wanted.image.height, wanted.truth.samples, 0.5 * own.rmse)};
   }
 
   Scene scene_;

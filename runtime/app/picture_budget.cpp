@@ -95,7 +95,6 @@ class PictureSearch {
     camera_ = scene.camera.value_or(framed_camera(bounds, aspect));
     Scene wanted = scene;
     wanted.truth.samples = kSamples;
-    wanted.strands.smoothing = truth_smoothing(scene, hair_.strands);
     truth_.emplace(hair_, head_, wanted, camera_);
     console::throw_if_interrupted();
     shown_.emplace(hair_, head_, scene, camera_);

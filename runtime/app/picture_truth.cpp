@@ -14,9 +14,6 @@ namespace {
 
 /// Far from the seeds that `pelage render` and `compare` draw with.
 constexpr std::uint64_t kFirstSeed = 1'000'000;
-/// Hair of more vertices is not smoothed: its segments are short enough.
-constexpr std::size_t kFewVertices = 400'000;
-constexpr int kSmoothing = 4;
 
 }  // namespace
 
@@ -87,11 +84,6 @@ std::vector<float> PictureTruth::alpha(std::uint64_t seed) const {
   std::vector<float> alpha;
   for (std::size_t i = 3; i < rgba.size(); i += 4) alpha.push_back(rgba[i]);
   return alpha;
-}
-
-int truth_smoothing(const Scene& scene, const Strands& strands) noexcept {
-  return strands.vertices.size() <= kFewVertices ? std::max(scene.strands.smoothing, kSmoothing)
-                                                 : scene.strands.smoothing;
 }
 
 std::vector<float> values_at(const Image& image, std::span<const glm::ivec2> pixels) {

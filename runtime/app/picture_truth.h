@@ -26,7 +26,7 @@ struct TruthHalves {
 
 class PictureTruth {
  public:
-  /// @param scene    its truth.samples are those of both halves, its strands.smoothing is the truth's
+  /// @param scene    its truth.samples are those of both halves
   PictureTruth(StrandHair hair, Mesh head, const Scene& scene, const Camera& camera);
 
   /// @param seed  other seeds, independent noise; none is that of `pelage render`     @throws Interrupted
@@ -48,10 +48,6 @@ class PictureTruth {
   Camera camera_;
   std::unique_ptr<FibreScene> fibres_;
 };
-
-/// Pieces per segment of the strands that the truth is traced of: the scene's, or enough to show what --smoothing is
-/// worth where segments are few.
-int truth_smoothing(const Scene& scene, const Strands& strands) noexcept;
 
 /// The picture's values at some pixels, [pixel][4].
 std::vector<float> values_at(const Image& image, std::span<const glm::ivec2> pixels);

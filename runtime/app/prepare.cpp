@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -24,7 +25,17 @@
 
 namespace pelage::app {
 
+namespace {
+
+std::filesystem::path& temporary_cache() {
+  static std::filesystem::path folder;  // empty: none
+  return folder;
+}
+
+}  // namespace
+
 std::filesystem::path cache_folder() {
+  if (!temporary_cache().empty()) return temporary_cache();
   const auto from = [](const char* name) {
     const char* const value = std::getenv(name);
     return std::filesystem::path(value == nullptr ? "" : value);
@@ -33,6 +44,38 @@ std::filesystem::path cache_folder() {
   if (const auto xdg = from("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "pelage";
   if (const auto home = from("HOME"); !home.empty()) return home / ".cache" / "pelage";
   return std::filesystem::temp_directory_path() / "pelage-cache";
+}
+
+TemporaryCache::TemporaryCache(const std::filesystem::path& folder, std::uintmax_t most_bytes)
+    : folder_(folder), before_(temporary_cache()), most_bytes_(most_bytes) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw OutputError(folder.string(), error.message());
+  temporary_cache() = folder;
+}
+
+TemporaryCache::~TemporaryCache() {
+  temporary_cache() = before_;
+  std::error_code none;
+  std::filesystem::remove_all(folder_, none);
+}
+
+void TemporaryCache::trim() const {
+  std::vector<std::filesystem::directory_entry> files;
+  std::uintmax_t bytes = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
+    if (file.path().extension() != ".hrir") continue;
+    files.push_back(file);
+    bytes += file.file_size();
+  }
+  std::sort(files.begin(), files.end(),
+            [](const auto& a, const auto& b) { return a.last_write_time() < b.last_write_time(); });
+  for (const auto& file : files) {
+    if (bytes <= most_bytes_) return;
+    bytes -= file.file_size();
+    std::error_code none;
+    std::filesystem::remove(file, none);
+  }
 }
 
 namespace {

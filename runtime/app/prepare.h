@@ -17,6 +17,22 @@ namespace pelage::app {
 /// written, nothing is kept and a warning says so.
 std::filesystem::path cache_folder();
 
+/// Another folder while it lives, removed with all that is in it: for sweeps, whose many databases nobody asks for
+/// again. Its databases are kept below `most_bytes`, the oldest going first, whenever trim() is called.
+class TemporaryCache {
+ public:
+  /// @throws OutputError
+  TemporaryCache(const std::filesystem::path& folder, std::uintmax_t most_bytes);
+  ~TemporaryCache();
+  TemporaryCache(const TemporaryCache&) = delete;
+  TemporaryCache& operator=(const TemporaryCache&) = delete;
+  void trim() const;
+
+ private:
+  std::filesystem::path folder_, before_;
+  std::uintmax_t most_bytes_;
+};
+
 Hairstyle prepare_hairstyle(const Scene& scene);
 /// Hair strand by strand, with a drawn diameter: a hair file's own strands, or those of a hairstyle's clusters.
 struct StrandHair {

@@ -27,8 +27,8 @@ namespace {
 
 /// Points of several knobs together, of each base.
 constexpr std::size_t kCombined = 10, kQuickCombined = 3;
-/// Values of a knob that a quick sweep looks at.
-constexpr std::size_t kQuickValues = 5;
+/// Values of a knob that a quick sweep looks at; of choices, which have no order.
+constexpr std::size_t kQuickValues = 5, kQuickChoices = 12;
 
 using Settings = std::vector<std::string>;
 
@@ -56,11 +56,12 @@ Times times_of(const std::vector<double>& ms) {
   return {*least, median_of(ms), *most, static_cast<int>(ms.size())};
 }
 
-/// Evenly spread ones of an ordered knob, both ends among them.
+/// Evenly spread ones, both ends among them.
 std::vector<KnobValue> thinned(std::vector<KnobValue> values) {
-  if (values.size() <= kQuickValues || std::isnan(values.front().amount)) return values;
+  const std::size_t most = std::isnan(values.front().amount) ? kQuickChoices : kQuickValues;
+  if (values.size() <= most) return values;
   std::vector<KnobValue> few;
-  for (std::size_t i = 0; i < kQuickValues; ++i) few.push_back(values[i * (values.size() - 1) / (kQuickValues - 1)]);
+  for (std::size_t i = 0; i < most; ++i) few.push_back(values[i * (values.size() - 1) / (most - 1)]);
   return few;
 }
 
@@ -152,6 +153,8 @@ class MeasureSweep {
         return "records";
       case MeasureKind::picture:
         return "picture";
+      case MeasureKind::curve:
+        return "curve";
       case MeasureKind::motion:
         return "motion";
       case MeasureKind::period:
@@ -169,6 +172,7 @@ class MeasureSweep {
     } else {
       measure_point(point, what, row);
       write_row(row, file_of(row.id));
+      if (request_.after_point) request_.after_point();
     }
     measured_.emplace(what, diagram_.rows.size());
     diagram_.rows.push_back(std::move(row));
@@ -326,7 +330,7 @@ Tradeoff sweep(const SweepRequest& request) {
   std::vector<MeasureSweep> sweeps;
   std::uint64_t total = 0, done = 0;
   for (const MeasureKind kind : {MeasureKind::transmittance, MeasureKind::records, MeasureKind::picture,
-                                 MeasureKind::motion, MeasureKind::period}) {
+                                 MeasureKind::curve, MeasureKind::motion, MeasureKind::period}) {
     const bool any =
         std::any_of(request.knobs.begin(), request.knobs.end(), [&](const Knob& k) { return k.measure == kind; });
     if (!any) continue;
@@ -346,6 +350,8 @@ std::unique_ptr<Measure> make_measure(MeasureKind kind, const MeasureRequest& re
       return measure_records(request);
     case MeasureKind::picture:
       return measure_picture(request);
+    case MeasureKind::curve:
+      return measure_curve(request);
     case MeasureKind::motion:
       return measure_motion(request);
     case MeasureKind::period:

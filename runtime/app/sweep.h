@@ -26,6 +26,7 @@ struct SweepRequest {
   std::string command;           // that made it
   std::string row_words;         // input and options that all rows share: "hair.tfx --head head.obj"
   bool combine = true;
+  std::function<void()> after_point;  // may be empty
   /// The measure of a kind; tests put their own here.
   std::function<std::unique_ptr<Measure>(MeasureKind, const MeasureRequest&)> make_measure;
 };

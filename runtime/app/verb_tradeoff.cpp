@@ -29,6 +29,9 @@ namespace {
 /// A picture of default size is no larger.
 constexpr int kWidth = 320, kHeight = 240, kQuickWidth = 200, kQuickHeight = 150;
 
+/// Bytes of databases that a sweep keeps for its next points.
+constexpr std::uintmax_t kMostCached = 1U << 30U;
+
 struct TradeoffOptions {
   std::shared_ptr<SceneOptions> scene;
   std::shared_ptr<SimulationOptions> simulation;
@@ -128,10 +131,12 @@ void run(const CLI::App& verb, const TradeoffOptions& o) {
   }
   if (o.scene->input.empty()) throw UsageError("input is required: a scene, hairstyle or hair file");
   if (o.out.empty()) throw UsageError("--out is required: a folder for index.html, tradeoff.json and tradeoff.csv");
-  const SweepRequest request = request_of(verb, o);
+  SweepRequest request = request_of(verb, o);
   make_folder(o.out, "tradeoff.json");
   make_folder(o.out / "points", "a.json");
   const std::unique_ptr<HeadlessContext> context = context_for(request.knobs);
+  const TemporaryCache cache(o.out / "cache", kMostCached);
+  request.after_point = [&] { cache.trim(); };
   const Tradeoff tradeoff = sweep(request);
   write_tradeoff(tradeoff, o.out);
   write_text(tradeoff_page(tradeoff, o.out), o.out / "index.html");

@@ -39,6 +39,28 @@ std::vector<KnobValue> threads() {
   return values;
 }
 
+/// What settles time and error of strands, at once: order, shape, samples per pixel, cells.
+std::vector<KnobValue> together() {
+  std::vector<KnobValue> values;
+  const auto add = [&](const std::string& order, const std::string& shape, int samples, int cells) {
+    values.push_back(
+        {order + "-" + shape + "-" + std::to_string(samples) + "-" + std::to_string(cells),
+         kNoOrder,
+         {"strands.order=" + order, "strands.shape=" + shape, "image.supersampling=" + std::to_string(samples),
+          "shadow.density_map.resolution=" + std::to_string(cells)},
+         0,
+         {}});
+  };
+  for (const char* const order : {"sorted", "exact"})
+    for (const char* const shape : {"ribbons", "lines"})
+      for (const int samples : {1, 2, 3, 4})
+        for (const int cells : {128, 256}) add(order, shape, samples, cells);
+  add("sorted", "ribbons", 1, 64);
+  add("sorted", "lines", 6, 256);
+  add("weighted", "ribbons", 1, 128);
+  return values;
+}
+
 std::vector<Knob> make() {
   const MeasureKind picture = MeasureKind::picture;
   return {{"picture.method",
@@ -52,7 +74,7 @@ std::vector<Knob> make() {
            "rays",
            picture,
            {"method=truth"},
-           numbers("truth.samples", {1, 2, 4, 8, 16, 32, 64})},
+           numbers("truth.samples", {1, 2, 4, 8, 16, 32, 64, 128})},
           {"strands.supersampling", "Samples per pixel and side: the edges of thin strands.", "samples", picture,
            kStrands, numbers("image.supersampling", {1, 2, 3, 4, 6, 8})},
           {"strands.order", "How strands in front of each other are put in order.", "", picture, kStrands,
@@ -63,8 +85,8 @@ std::vector<Knob> make() {
            with(kStrands, {"strands.order=weighted"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
           {"strands.lines", "Samples per pixel and side, lines one sample wide instead of ribbons.", "samples", picture,
            with(kStrands, {"strands.shape=lines"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
-          {"strands.smoothing", "Catmull-Rom pieces per segment.", "pieces", picture, kStrands,
-           numbers("strands.smoothing", {1, 2, 3, 4, 6})},
+          {"strands.smoothing", "Catmull-Rom pieces per segment: the error of chords is of order 2.", "pieces",
+           MeasureKind::curve, kStrands, numbers("strands.smoothing", {1, 2, 3, 4, 6, 8})},
           {"strands.shadow-at", "Where transmittance is looked up.", "", picture, kStrands,
            choices("strands.shadow_at", {"vertex", "fragment"})},
           {"strands.cells", "Cells of the density map along its longest side, seen in the picture.", "cells", picture,
@@ -78,6 +100,8 @@ std::vector<Knob> make() {
             {"primary", kNoOrder, {"strands.secondary_highlight=false"}, 0, {}},
             {"secondary", kNoOrder, {"strands.primary_highlight=false"}, 0, {}},
             {"none", kNoOrder, {"strands.primary_highlight=false", "strands.secondary_highlight=false"}, 0, {}}}},
+          {"picture.together", "Order, shape, samples per pixel and side, cells of the map, at once.", "", picture,
+           kStrands, together()},
           {"picture.threads",
            "Threads of all that is not OpenGL's; the picture is the same.",
            "threads",
