@@ -25,7 +25,7 @@ template <>
 inline constexpr std::array<std::string_view, 6> kNames<Method>{"satf",           "density-map", "deep-opacity",
                                                                 "opacity-shadow", "unshadowed",  "truth"};
 template <>
-inline constexpr std::array<std::string_view, 2> kNames<StrandShape>{"lines", "ribbons"};
+inline constexpr std::array<std::string_view, 3> kNames<StrandShape>{"lines", "ribbons", "auto"};
 template <>
 inline constexpr std::array<std::string_view, 3> kNames<StrandOrder>{"exact", "sorted", "weighted"};
 template <>

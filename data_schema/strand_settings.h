@@ -48,15 +48,15 @@ struct ShadowSettings {
   bool operator==(const ShadowSettings&) const = default;
 };
 
-enum class StrandShape { lines, ribbons };           // one pixel wide, or camera-facing and D wide
-enum class StrandOrder { exact, sorted, weighted };  // per-pixel lists; segments by depth; order-independent mean
-enum class StrandLobes { kajiya_kay, scheuermann };  // one highlight, or two shifted ones
-enum class ShadowAt { vertex, fragment };            // where transmittance is looked up
+enum class StrandShape { lines, ribbons, automatic };  // a sample wide; camera-facing, D wide; lines while all are thin
+enum class StrandOrder { exact, sorted, weighted };    // per-pixel lists; segments by depth; order-independent mean
+enum class StrandLobes { kajiya_kay, scheuermann };    // one highlight, or two shifted ones
+enum class ShadowAt { vertex, fragment };              // where transmittance is looked up
 
 /// The strand renderer.
 struct StrandSettings {
-  StrandShape shape = StrandShape::ribbons;
-  StrandOrder order = StrandOrder::exact;
+  StrandShape shape = StrandShape::automatic;
+  StrandOrder order = StrandOrder::sorted;
   StrandLobes lobes = StrandLobes::scheuermann;
   ShadowAt shadow_at = ShadowAt::vertex;
   int smoothing = 1;  // Catmull-Rom pieces per segment, [1, 32]; 1: the polyline as it is

@@ -147,8 +147,9 @@ void set_strand_options(const CLI::App& verb, const SceneOptions& o, Scene& scen
   if (given("--shadow-resolution"))
     scene.shadow.density_map.resolution = scene.shadow.opacity_map.resolution = o.shadow_resolution;
   if (given("--shape")) {
-    scene.strands.shape =
-        choose<StrandShape>({{"lines", StrandShape::lines}, {"ribbons", StrandShape::ribbons}}, o.shape, "--shape");
+    scene.strands.shape = choose<StrandShape>(
+        {{"lines", StrandShape::lines}, {"ribbons", StrandShape::ribbons}, {"auto", StrandShape::automatic}}, o.shape,
+        "--shape");
   }
   if (given("--lobes")) {
     scene.strands.lobes = choose<StrandLobes>(
@@ -264,12 +265,14 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--self-shadow", o->self_shadow, "light: along the light's ray; paper: eq. 12; none [light]");
   verb.add_option(
       "--order", o->order,
-      "Drawing order. satf: patches, clusters, exact (per pixel) [patches]; strands: exact, sorted, weighted [exact]");
+      "Drawing order. satf: patches, clusters, exact (per pixel) [patches]; strands: sorted, exact, weighted [sorted]");
   verb.add_option("--density-map", o->density_map, "The density map as the paper printed it, or corrected [corrected]");
   verb.add_option("--shadow-resolution", o->shadow_resolution,
                   "Cells of the density map along its longest side, or pixels of an opacity map [128, 256]")
       ->check(CLI::Range(1, 1024));
-  verb.add_option("--shape", o->shape, "Strands as camera-facing ribbons, or lines one pixel wide [ribbons]");
+  verb.add_option("--shape", o->shape,
+                  "Strands as camera-facing ribbons, lines one sample wide, or auto: lines while even the nearest "
+                  "fibre is thinner than a sample [auto]");
   verb.add_option("--lobes", o->lobes,
                   "Highlights of strands: scheuermann (two, shifted), kajiya-kay (one) [scheuermann]");
   verb.add_flag(

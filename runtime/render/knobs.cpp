@@ -8,7 +8,7 @@ using Settings = std::vector<std::string>;
 constexpr double kNoOrder = std::numeric_limits<double>::quiet_NaN();
 
 /// Strands at their own optimum: the corrected map, light around fibres.
-const Settings kStrands{"method=density-map", "strands.azimuth=true"};
+const Settings kStrands{"method=density-map", "strands.azimuth=true", "strands.order=sorted", "strands.shape=auto"};
 
 Settings with(Settings base, std::initializer_list<const char*> more) {
   base.insert(base.end(), more.begin(), more.end());
@@ -79,12 +79,14 @@ std::vector<Knob> make() {
            kStrands, numbers("image.supersampling", {1, 2, 3, 4, 6, 8})},
           {"strands.order", "How strands in front of each other are put in order.", "", picture, kStrands,
            choices("strands.order", {"exact", "sorted", "weighted"})},
-          {"strands.sorted", "Samples per pixel and side, segments sorted by depth.", "samples", picture,
-           with(kStrands, {"strands.order=sorted"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
+          {"strands.exact", "Samples per pixel and side, lists per pixel.", "samples", picture,
+           with(kStrands, {"strands.order=exact"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
           {"strands.weighted", "Samples per pixel and side, order-independent mean.", "samples", picture,
            with(kStrands, {"strands.order=weighted"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
-          {"strands.lines", "Samples per pixel and side, lines one sample wide instead of ribbons.", "samples", picture,
+          {"strands.lines", "Samples per pixel and side, lines one sample wide.", "samples", picture,
            with(kStrands, {"strands.shape=lines"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
+          {"strands.ribbons", "Samples per pixel and side, ribbons as wide as the fibre.", "samples", picture,
+           with(kStrands, {"strands.shape=ribbons"}), numbers("image.supersampling", {1, 2, 3, 4, 6})},
           {"strands.smoothing", "Catmull-Rom pieces per segment: the error of chords is of order 2.", "pieces",
            MeasureKind::curve, kStrands, numbers("strands.smoothing", {1, 2, 3, 4, 6, 8})},
           {"strands.shadow-at", "Where transmittance is looked up.", "", picture, kStrands,

@@ -14,6 +14,9 @@
 namespace pelage {
 namespace {
 
+/// A line's samples over those of its length: shaders/strands.vert, line_stretch().
+constexpr float kLineStretch = 1.4142136F;
+
 /// Do both lights come from the same place? Colour and intensity are no matter of shadows.
 bool same_place(const Light& a, const Light& b) {
   return a.position == b.position && (a.position || a.direction == b.direction);
@@ -98,6 +101,8 @@ void StrandFrame::update_geometry(int pieces) {
   }
   drawn_bounds_ = bounds_;
   for (const glm::vec3& p : drawn().vertices) drawn_bounds_.add(p);
+  const std::vector<float>& diameters_m = drawn().diameters_m;
+  widest_m_ = diameters_m.empty() ? drawn().diameter_m : *std::max_element(diameters_m.begin(), diameters_m.end());
   std::vector<glm::vec4> tangents;
   {
     auto stage = ledger_.run("tangents");
@@ -203,6 +208,17 @@ void StrandFrame::update_order(const StrandFrameSettings& frame) {
   stage.bytes(sorted_.size() * sizeof(StrandSegment));
 }
 
+/// Ribbons, unless every fibre is so thin that a line of one sample, which covers up to sqrt(2) of it, can fade by what
+/// it covers too much: the same picture for less.
+StrandShape StrandFrame::shape_for(const StrandFrameSettings& frame, float sample_slope) const {
+  if (frame.strands.shape != StrandShape::automatic) return frame.strands.shape;
+  const glm::vec3 forward = glm::normalize(frame.camera.target - frame.camera.eye);
+  float nearest_m = std::numeric_limits<float>::max();
+  for (const glm::vec3& p : drawn().vertices) nearest_m = std::min(nearest_m, glm::dot(p - frame.camera.eye, forward));
+  return nearest_m > 0 && kLineStretch * widest_m_ <= sample_slope * nearest_m ? StrandShape::lines
+                                                                               : StrandShape::ribbons;
+}
+
 PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const PictureSize& size) {
   StrandDrawRequest whole;
   whole.world_to_clip = world_to_clip(frame.camera, drawn_bounds_, size.aspect());
@@ -213,6 +229,7 @@ PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const
   whole.lights = frame.lights;
   whole.material = material_of(frame.material, frame.strands.lobes);
   whole.settings = frame.strands;
+  whole.settings.shape = shape_for(frame, whole.sample_slope);
   whole.phong = frame.phong;
   whole.opacity = opacity_;
   whole.shadowed = frame.method != Method::unshadowed;

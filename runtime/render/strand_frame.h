@@ -87,6 +87,7 @@ class StrandFrame {
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
   void update_order(const StrandFrameSettings& frame);
+  StrandShape shape_for(const StrandFrameSettings& frame, float sample_slope) const;
   PictureOutput::Draw draw_of(const StrandFrameSettings& frame, const PictureSize& size);
 
   StageLedger ledger_;
@@ -98,6 +99,7 @@ class StrandFrame {
   std::vector<StrandSegment> segments_;
   std::vector<StrandSegment> sorted_;  // what the renderer has; empty: segments_
   std::vector<LightShadow> shadows_;
+  float widest_m_ = 0;  // drawn diameter
   float nearest_m_ = 0;
   std::optional<StrandFrameSettings> last_;  // none: nothing is up to date
   bool moved_ = true;                        // nothing that depends on geometry is
