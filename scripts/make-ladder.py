@@ -47,7 +47,7 @@ def read(file, diagram):
         for row in found[0]["rows"]
         if not row["failed"] and row["error"] > 0
     ]
-    return document["name"], json.loads(document["scene"]), rows
+    return document["name"], document["scene"], rows
 
 
 def main():

@@ -99,7 +99,7 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
               0.5F * static_cast<float>(target.height()));
   glUniform1f(p.at("sample_slope"), request.sample_slope);
   glUniform1f(p.at("opacity"), request.opacity);
-  glUniform1i(p.at("ribbons"), on.shape == StrandShape::ribbons ? 1 : 0);
+  glUniform1i(p.at("ribbons"), on.shape != StrandShape::lines ? 1 : 0);
   glUniform1i(p.at("own_colours"), gl_->own_colours ? 1 : 0);
   glUniform1f(p.at("ambient"), request.material.ambient);
   const glm::vec2 azimuth = on.azimuth ? azimuth_coefficients(request.phong) : glm::vec2(0);
@@ -115,7 +115,7 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
   bind_storage(5, gl_->segments, "the strands' segments", kRemedy);
   bind_storage(6, gl_->colours, "the strands' colours", kRemedy);
   glBindVertexArray(gl_->array.id());
-  const bool ribbons = on.shape == StrandShape::ribbons;
+  const bool ribbons = on.shape != StrandShape::lines;
   glDrawArrays(ribbons ? GL_TRIANGLES : GL_LINES, 0, static_cast<GLsizei>((ribbons ? 6 : 2) * gl_->segment_count));
 }
 

@@ -23,7 +23,7 @@ struct StrandDrawRequest {
   float nearest_m = 0;     // depth of the nearest hair, for StrandOrder::weighted
   std::span<const Light> lights;
   HairMaterial material;
-  StrandSettings settings;
+  StrandSettings settings;  // shape: lines, or else ribbons
   float opacity = kDefaultOpacity;
   PlanarPhong phong;     // for settings.azimuth
   bool shadowed = true;  // off: set_depth_maps() is not looked at either

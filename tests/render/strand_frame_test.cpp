@@ -168,6 +168,7 @@ TEST_F(StrandFrames, OnlyWhatChangedIsComputedAgain) {
   StrandFrame frame(strand_lock(30), 0.6F, test::wall());
   StrandFrameSettings settings = strands_from_the_front();
   settings.lights = {Light{}, from({-1, 0.5F, 0.2F})};
+  settings.strands.order = StrandOrder::exact;
   frame.render(settings, 32, 32, 1);
   const std::vector<std::string> names{"smooth", "tangents", "upload", "fill", "transmittance",
                                        "filter", "order",    "draw",   "read"};
@@ -220,6 +221,8 @@ TEST_F(StrandFrames, ALaterFrameEqualsAFreshOne) {
     Strands strands;
   };
   std::vector<Step> all{{strands_from_the_front(), strand_lock(60)}};
+  all[0].settings.strands.order = StrandOrder::exact;
+  all[0].settings.strands.shape = StrandShape::ribbons;
   const auto then = [&](auto change) {
     all.push_back(all.back());
     change(all.back().settings, all.back().strands);

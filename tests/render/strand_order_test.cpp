@@ -107,6 +107,7 @@ Image draw(const Straps& scene, std::span<const StrandSegment> segments, std::si
   request.lights = scene.frame.lights;
   request.material = scene.frame.material;
   request.opacity = 0.1F;
+  request.settings.order = StrandOrder::exact;
   request.shadowed = false;
   Framebuffer target(64, 64, GL_RGBA32F, true);
   for (int i = 0; i < 2; ++i) renderer.draw(request, target);
