@@ -16,7 +16,7 @@ done
 # What the rungs of the accuracy ladder and the effects look like, on the bob.
 render "$work/bob.hair" --records direct -o docs/bob-direct.png
 render "$work/bob.hair" --records own-alpha -o docs/bob-own-alpha.png
-render "$work/bob.hair" -o docs/bob-database.png
+render "$work/bob.hair" --records database -o docs/bob-database.png
 render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
 
 # Figures of the papers: shadows strand by strand against the truth, and what shades a strand.
