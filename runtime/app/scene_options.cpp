@@ -374,4 +374,11 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   return scene;
 }
 
+void limit_size(ImageSettings& image, int width, int height) noexcept {
+  const double shrink =
+      std::max({1.0, static_cast<double>(image.width) / width, static_cast<double>(image.height) / height});
+  image.width = std::max(1, static_cast<int>(image.width / shrink + 0.5));
+  image.height = std::max(1, static_cast<int>(image.height / shrink + 0.5));
+}
+
 }  // namespace pelage::app

@@ -32,4 +32,7 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb);
 /// @throws UsageError, InputError
 Scene resolve_scene(const CLI::App& verb, const SceneOptions& options);
 
+/// The picture's size, or a smaller one of its shape within these pixels.
+void limit_size(ImageSettings& image, int width, int height) noexcept;
+
 }  // namespace pelage::app

@@ -32,6 +32,24 @@ constexpr std::size_t kQuickValues = 5, kQuickChoices = 12;
 
 using Settings = std::vector<std::string>;
 
+/// In the order of the diagrams; names begin those of files.
+struct MeasureEntry {
+  MeasureKind kind;
+  const char* name;
+  std::unique_ptr<Measure> (*make)(const MeasureRequest&);
+};
+constexpr MeasureEntry kMeasures[] = {{MeasureKind::transmittance, "transmittance", measure_transmittance},
+                                      {MeasureKind::records, "records", measure_records},
+                                      {MeasureKind::picture, "picture", measure_picture},
+                                      {MeasureKind::curve, "curve", measure_curve},
+                                      {MeasureKind::motion, "motion", measure_motion},
+                                      {MeasureKind::period, "period", measure_period}};
+
+const MeasureEntry& entry_of(MeasureKind kind) {
+  return *std::find_if(std::begin(kMeasures), std::end(kMeasures),
+                       [&](const MeasureEntry& e) { return e.kind == kind; });
+}
+
 Settings joined(Settings first, const Settings& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
@@ -81,7 +99,7 @@ int threads_now() {
 class MeasureSweep {
  public:
   MeasureSweep(const SweepRequest& request, MeasureKind kind, const Origin& origin)
-      : request_(request), kind_(kind), origin_(origin) {
+      : request_(request), kind_(kind), name_(entry_of(kind).name), origin_(origin) {
     points_.push_back({"default", "default", "the program's own", std::nan(""), {}, {}, 0, {}});
     for (const Knob& knob : request.knobs) {
       if (knob.measure != kind) continue;
@@ -143,26 +161,8 @@ class MeasureSweep {
   }
 
   std::filesystem::path file_of(const std::string& id) const {
-    return request_.folder / "points" / (measure_name() + "." + id + ".json");
+    return request_.folder / "points" / (name_ + "." + id + ".json");
   }
-  std::string measure_name() const {
-    switch (kind_) {
-      case MeasureKind::transmittance:
-        return "transmittance";
-      case MeasureKind::records:
-        return "records";
-      case MeasureKind::picture:
-        return "picture";
-      case MeasureKind::curve:
-        return "curve";
-      case MeasureKind::motion:
-        return "motion";
-      case MeasureKind::period:
-        return "period";
-    }
-    return {};
-  }
-
   void add(const Point& point) {
     console::throw_if_interrupted();
     TradeoffRow row = begin(point);
@@ -261,7 +261,7 @@ class MeasureSweep {
     row.prepare_ms = m.prepare_ms;
     row.bytes = m.bytes;
     if (!m.picture) return;
-    row.picture = "points/" + measure_name() + "." + row.id + ".png";
+    row.picture = "points/" + name_ + "." + row.id + ".png";
     write_image(*m.picture, request_.folder / row.picture, {{"Software", "pelage"}});
   }
 
@@ -309,6 +309,7 @@ class MeasureSweep {
 
   const SweepRequest& request_;
   MeasureKind kind_;
+  std::string name_;  // of the measure
   Origin origin_;
   std::vector<Point> points_;
   std::vector<Settings> bases_;
@@ -329,10 +330,9 @@ Tradeoff sweep(const SweepRequest& request) {
                    cpu_name(), threads_now()};
   std::vector<MeasureSweep> sweeps;
   std::uint64_t total = 0, done = 0;
-  for (const MeasureKind kind : {MeasureKind::transmittance, MeasureKind::records, MeasureKind::picture,
-                                 MeasureKind::curve, MeasureKind::motion, MeasureKind::period}) {
-    const bool any =
-        std::any_of(request.knobs.begin(), request.knobs.end(), [&](const Knob& k) { return k.measure == kind; });
+  for (const auto& [kind, name, make] : kMeasures) {
+    const bool any = std::any_of(request.knobs.begin(), request.knobs.end(),
+                                 [kind = kind](const Knob& k) { return k.measure == kind; });
     if (!any) continue;
     total += sweeps.emplace_back(request, kind, result.origin).size();
   }
@@ -343,21 +343,7 @@ Tradeoff sweep(const SweepRequest& request) {
 }
 
 std::unique_ptr<Measure> make_measure(MeasureKind kind, const MeasureRequest& request) {
-  switch (kind) {
-    case MeasureKind::transmittance:
-      return measure_transmittance(request);
-    case MeasureKind::records:
-      return measure_records(request);
-    case MeasureKind::picture:
-      return measure_picture(request);
-    case MeasureKind::curve:
-      return measure_curve(request);
-    case MeasureKind::motion:
-      return measure_motion(request);
-    case MeasureKind::period:
-      return measure_period(request);
-  }
-  return {};
+  return entry_of(kind).make(request);
 }
 
 }  // namespace pelage::app

@@ -54,14 +54,6 @@ void check_options(const CLI::App& verb) {
       throw UsageError(std::string(option) + " is for hair that moves: give --frames as well");
 }
 
-/// The scene's size, or a smaller one of its shape.
-void limit_size(ImageSettings& image) {
-  const double shrink =
-      std::max({1.0, static_cast<double>(image.width) / kWidth, static_cast<double>(image.height) / kHeight});
-  image.width = std::max(1, static_cast<int>(image.width / shrink + 0.5));
-  image.height = std::max(1, static_cast<int>(image.height / shrink + 0.5));
-}
-
 Scene compared_scene(const CLI::App& verb, const CompareOptions& o) {
   Scene scene = resolve_scene(verb, *o.scene);
   scene.simulation = resolve_simulation(verb, *o.simulation, scene);
@@ -69,7 +61,7 @@ Scene compared_scene(const CLI::App& verb, const CompareOptions& o) {
   if (verb.count("--samples") == 0) scene.truth.samples = std::max(scene.truth.samples, kSamples);
   if (verb.count("--size") > 0) return scene;
   if (scene.hair == o.scene->input) scene.image.width = kWidth, scene.image.height = kHeight;  // no scene file
-  limit_size(scene.image);
+  limit_size(scene.image, kWidth, kHeight);
   return scene;
 }
 

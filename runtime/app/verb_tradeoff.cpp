@@ -44,13 +44,6 @@ struct TradeoffOptions {
 const std::vector<std::string> kNotOfRows{"--out",  "--only",     "--quick",     "--list", "--no-combine",
                                           "--seed", "--progress", "--log-level", "--json", "--jobs"};
 
-void limit_size(ImageSettings& image, int width, int height) {
-  const double shrink =
-      std::max({1.0, static_cast<double>(image.width) / width, static_cast<double>(image.height) / height});
-  image.width = std::max(1, static_cast<int>(image.width / shrink + 0.5));
-  image.height = std::max(1, static_cast<int>(image.height / shrink + 0.5));
-}
-
 Scene swept_scene(const CLI::App& verb, const TradeoffOptions& o) {
   Scene scene = resolve_scene(verb, *o.scene);
   scene.simulation = resolve_simulation(verb, *o.simulation, scene);
