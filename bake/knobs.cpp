@@ -9,8 +9,8 @@ namespace {
 using Strings = std::vector<std::string>;
 
 constexpr double kNoOrder = std::numeric_limits<double>::quiet_NaN();
-const Strings kAdapted{"database=", "satf.records=database"};
-const Strings kGeneric{"database=generic", "satf.records=database"};
+const Strings kAdapted{"database=", "satf.records=own-alpha"};
+const Strings kGeneric{"database=generic", "satf.records=own-alpha"};
 
 Knob knob(std::string name, std::string what, std::string unit, Strings base, std::vector<KnobValue> values) {
   return {std::move(name), std::move(what), std::move(unit), MeasureKind::records, std::move(base), std::move(values)};
@@ -40,8 +40,8 @@ std::vector<KnobValue> views_for_lights() {
 /// From what the paper prints to tracing every sector.
 std::vector<KnobValue> rungs() {
   return {{"literal-key", kNoOrder, {"database=", "satf.records=literal-key"}, 0, "Xu2006"},
-          {"generic", kNoOrder, kGeneric, 0, {}},
-          {"adapted", kNoOrder, kAdapted, 0, {}},
+          {"generic", kNoOrder, {"database=generic", "satf.records=database"}, 0, {}},
+          {"adapted", kNoOrder, {"database=", "satf.records=database"}, 0, {}},
           {"own-alpha", kNoOrder, {"database=", "satf.records=own-alpha"}, 0, {}},
           {"direct", kNoOrder, {"database=", "satf.records=direct"}, 0, {}}};
 }

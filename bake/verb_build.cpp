@@ -154,7 +154,7 @@ void add_build(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   verb->add_option("--from", o->from, "hairstyle file: bake its representative sectors instead of random ones");
   verb->add_option("--settings", o->settings, "bake settings (JSON); the options below go before it");
-  verb->add_option("--sectors", o->sectors, "records to bake (default 2000)")->check(CLI::Range(1, 1000000));
+  verb->add_option("--sectors", o->sectors, "records to bake (default 1000)")->check(CLI::Range(1, 1000000));
   verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)")
       ->check(console::finite(0, static_cast<double>(kLargestSeed)));
   verb->add_option("--features", o->features, "what the search compares (default profile11)")

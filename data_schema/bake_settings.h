@@ -28,12 +28,12 @@ constexpr std::uint64_t kLargestSeed = (std::uint64_t{1} << 53) - 1;
 
 struct BakeSettings {
   std::uint64_t seed = 1;          // [0, kLargestSeed]
-  int sectors = 2000;              // records to bake, [1, 1,000,000]
+  int sectors = 1000;              // records to bake, [1, 1,000,000]
   int grid = 32;                   // density grid cells per side, [8, 128]
   double sigma = 0.05;             // standard deviation of a strand's Gaussian, sector coordinates, [0.01, 0.08]
-  int views = 32;                  // view angles on the full circle, [4, 256]
-  int lights = 32;                 // light angles on the full circle, [4, 256]
-  int samples = 32;                // values along s, [4, 256]
+  int views = 128;                 // view angles on the full circle, [4, 256]
+  int lights = 8;                  // light angles on the full circle, [4, 256]
+  int samples = 16;                // values along s, [4, 256]
   double smoothing = 1.5;          // Gaussian along s, in units of sigma, [0, 4]
   double reference_scale = 0.025;  // c0, optical scale at which reflectance is composited (DESIGN section 4)
   double max_path = 4;             // longest march in units of the sector's height, [1, 16]

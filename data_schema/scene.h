@@ -68,8 +68,8 @@ struct SatfSettings {
   bool drift = true;                  // move records by the HSV's mean drift before interpolating (DESIGN section 5)
   bool curvature = true;              // chord of the ring instead of a flat slab near silhouettes
   DrawOrder draw_order = DrawOrder::patches;
-  RecordsFrom records = RecordsFrom::database;
-  int neighbours = 1;  // records blended per sector, [1, 8]
+  RecordsFrom records = RecordsFrom::own_alpha;
+  int neighbours = 4;  // records blended per sector, [1, 8]
   bool operator==(const SatfSettings&) const = default;
 };
 

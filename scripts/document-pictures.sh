@@ -17,7 +17,7 @@ done
 render "$work/bob.hair" --records direct -o docs/bob-direct.png
 render "$work/bob.hair" --records own-alpha -o docs/bob-own-alpha.png
 render "$work/bob.hair" --records database -o docs/bob-database.png
-render "$work/bob.hair" --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
+render "$work/bob.hair" --records database --self-shadow none --off global-shadow -o docs/bob-unshadowed.png
 
 # Figures of the papers: shadows strand by strand against the truth, and what shades a strand.
 for figure in resolutions self-shadow filter lobes; do

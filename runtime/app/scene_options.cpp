@@ -250,11 +250,11 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option(
       "--records", o->records,
       "database; own-alpha: opacity from the hair itself, reflectance from the database; direct: trace every "
-      "sector, literal-key: one search over features and both angles (slow, to compare) [database]");
+      "sector, literal-key: one search over features and both angles (slow, to compare) [own-alpha]");
   verb.add_option("--neighbours", o->neighbours, "Records blended per sector, 1 to 8")
       ->capture_default_str()
       ->check(CLI::Range(1, 8));
-  verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [2000]")
+  verb.add_option("--bake-sectors", o->bake_sectors, "Records of the adapted database, 1 to 1000000 [1000]")
       ->check(CLI::Range(1, 1000000));
   verb.add_option("--clusters", o->clusters, "Clusters fitted to a hair file, 1 to 10000")
       ->capture_default_str()

@@ -20,7 +20,7 @@ struct SceneOptions {
   std::vector<std::string> values;  // --set
   bool azimuth = true;
   float exposure = 1.0F, diameter_um = 0, opacity = 0;
-  int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 1;
+  int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 4;
   int shadow_resolution = 128, smoothing = 1, samples = 16;
   int layers = 0, sectors = 0, plates = 0;
 };

@@ -132,6 +132,8 @@ class Records : public ::testing::Test {
     style.division.plates = 24;
     save_hairstyle(style, *folder_ / "style.json");
     request_.scene.hair = *folder_ / "style.json";
+    request_.scene.satf.records = RecordsFrom::database;
+    request_.scene.satf.neighbours = 1;
     request_.scene.bake.views = 128;
     request_.scene.bake.lights = 8;
     request_.scene.bake.sectors = 150;

@@ -70,6 +70,7 @@ class Sweep : public testing::Test {
   SweepRequest request() {
     SweepRequest r;
     r.measure.scene.hair = (folder_ / "a.hair").string();
+    r.measure.scene.satf.neighbours = 1;
     r.knobs = knobs();
     r.folder = folder_;
     r.name = "a";

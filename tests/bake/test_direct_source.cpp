@@ -25,8 +25,10 @@ SectorSet sectors(std::uint64_t first) {
 
 constexpr SatfAngles kAngles{0.3F, 0.5F, 1.0F, 1.4F};
 
+const auto kSamples = static_cast<std::size_t>(BakeSettings{}.samples);
+
 struct Values {
-  std::vector<float> tau = std::vector<float>(32), re = std::vector<float>(32);
+  std::vector<float> tau = std::vector<float>(kSamples), re = std::vector<float>(kSamples);
   bool operator==(const Values&) const = default;
 };
 
@@ -47,7 +49,7 @@ Values traced(const SectorSet& set, std::size_t sector) {
 TEST(DirectSource, TracesTheAttachedSectors) {
   const BakeSettings settings;
   DirectSource source(settings);
-  EXPECT_EQ(source.samples(), 32);
+  EXPECT_EQ(source.samples(), settings.samples);
   EXPECT_FLOAT_EQ(source.reference_scale(), 0.025F);
   const SectorSet a = sectors(0), b = sectors(100);
   source.attach(a);

@@ -51,8 +51,15 @@ Difference difference(const HrirRecord& a, const HrirRecord& b) {
   return d;
 }
 
-BakeSettings small_settings() {
+/// As many view angles as light angles, and as many samples: no side of a record is the coarse one.
+BakeSettings even_settings() {
   BakeSettings settings;
+  settings.views = settings.lights = settings.samples = 32;
+  return settings;
+}
+
+BakeSettings small_settings() {
+  BakeSettings settings = even_settings();
   settings.views = 8;
   settings.lights = 8;
   return settings;
@@ -60,7 +67,7 @@ BakeSettings small_settings() {
 
 TEST(PlanarTracer, UniformSlabFollowsBeerLambertAndIsIsotropic) {
   for (const double density : {0.5, 12.0, 400.0}) {
-    const BakeSettings settings;
+    const BakeSettings settings = even_settings();
     const HrirRecord record = PlanarTracer(settings).trace_record(uniform_grid(density, settings.grid));
     for (int v = 0; v < settings.views; ++v)
       for (int x = 0; x < settings.samples; ++x) {
@@ -73,7 +80,7 @@ TEST(PlanarTracer, UniformSlabFollowsBeerLambertAndIsIsotropic) {
 }
 
 TEST(PlanarReference, OpacityOfAUniformSlabIsAnalytic) {
-  BakeSettings settings;
+  BakeSettings settings = even_settings();
   settings.early_stop = 1;
   for (const double angle : {0.0, 0.7, 2.5, 4.0}) {
     const double tau = settings.reference_scale * 40 * path_of(angle, settings);
@@ -86,7 +93,7 @@ TEST(PlanarReference, OpacityOfAUniformSlabIsAnalytic) {
 
 TEST(PlanarTracer, LoneGaussianIntegratesToItsMass) {
   for (const double smoothing : {0.0, 1.5}) {
-    BakeSettings settings;
+    BakeSettings settings = even_settings();
     settings.smoothing = smoothing;
     const HrirRecord record = PlanarTracer(settings).trace_record(grid_of({{0.52F, 0.48F}}, settings));
     for (int v = 0; v < settings.views; ++v) {
@@ -104,7 +111,7 @@ TEST(PlanarTracer, LoneGaussianIntegratesToItsMass) {
 }
 
 TEST(PlanarTracer, LoneGaussianHasItsProfileSeenFromOutside) {
-  BakeSettings settings;
+  BakeSettings settings = even_settings();
   settings.smoothing = 0;
   const HrirRecord record = PlanarTracer(settings).trace_record(grid_of({{0.5F, 0.5F}}, settings));
   for (int x = 0; x < settings.samples; ++x) {
@@ -116,7 +123,7 @@ TEST(PlanarTracer, LoneGaussianHasItsProfileSeenFromOutside) {
 }
 
 TEST(PlanarTracer, SmoothingWidensByOneAndAHalfSigma) {
-  const BakeSettings settings;
+  const BakeSettings settings = even_settings();
   const HrirRecord record = PlanarTracer(settings).trace_record(grid_of({{0.5F, 0.5F}}, settings));
   double mass = 0, second = 0;
   for (int x = 0; x < settings.samples; ++x) {
@@ -129,7 +136,7 @@ TEST(PlanarTracer, SmoothingWidensByOneAndAHalfSigma) {
 
 TEST(PlanarTracer, MeanOverLightsIsOne) {
   for (const double exponent : {1.0, 8.0, 20.0}) {
-    BakeSettings settings;
+    BakeSettings settings = even_settings();
     settings.phong.exponent = exponent;
     settings.views = 8;
     const HrirRecord record = PlanarTracer(settings).trace_record(grid_of(random_sector(settings, 3), settings));
@@ -164,7 +171,7 @@ TEST(PlanarTracer, LoneStrandIsLitFromTheViewersSide) {
   // kd 2 / pi (light behind the viewer) to 0, and the specular part, whose direction covers the whole circle, is even.
   // 1.69 with the default Phong, 1.77 with kd : ks = 10 : 3; without mirroring it would be 0.
   for (const double specular : {0.0, 0.21, 0.3}) {
-    BakeSettings settings;
+    BakeSettings settings = even_settings();
     settings.phong.specular = specular;
     settings.reference_scale = 0.005;
     const double expected = 0.7 * (2 / kPi) / mean_phong(settings.phong);
@@ -177,7 +184,7 @@ TEST(PlanarTracer, LoneStrandIsLitFromTheViewersSide) {
     }
   }
   // At the default scale the strand hides its own back.
-  EXPECT_GT(lone_contrast(BakeSettings{}, 0), 1.5);
+  EXPECT_GT(lone_contrast(even_settings(), 0), 1.5);
 }
 
 TEST(PlanarTracer, MirroredSectorMirrorsTheRecord) {
@@ -229,7 +236,7 @@ class LayeredSlab : public testing::TestWithParam<double> {};
 TEST_P(LayeredSlab, CompositesToOneMarch) {
   constexpr int kLayers = 3, kSamples = 64, kShift = 24;
   const double theta = std::atan(double{kShift} / kSamples), light_rad = 1.1;
-  BakeSettings settings;
+  BakeSettings settings = even_settings();
   settings.grid = 128;
   settings.samples = kSamples;
   settings.smoothing = GetParam();
@@ -291,7 +298,7 @@ TEST(PlanarTracer, AgreesWithTheReferenceOverTheParameters) {
   for (const int grid : {8, 32, 49})
     for (const double exponent : {1.0, 8.0, 12.5, 64.0, 300.0})
       for (const double early_stop : {0.3, 0.995}) {
-        BakeSettings settings;
+        BakeSettings settings = even_settings();
         settings.grid = grid;
         settings.views = 7;
         settings.lights = 5;
@@ -357,7 +364,7 @@ TEST(PlanarTracer, EarlyStopLeavesOpticalDepthAlone) {
 }
 
 TEST(PlanarTracer, GrazingViewsAreBounded) {
-  const BakeSettings settings;
+  const BakeSettings settings = even_settings();
   const PlanarField field(uniform_grid(10, settings.grid));
   std::vector<float> tau(32), re(32);
   for (const double offset : {-1e-2, -1e-6, 0.0, 1e-6, 1e-2})
@@ -372,7 +379,7 @@ TEST(PlanarTracer, GrazingViewsAreBounded) {
 }
 
 TEST(PlanarTracer, RaysAtTheTablesAnglesAreTheTable) {
-  BakeSettings settings;
+  BakeSettings settings = even_settings();
   settings.views = 12;
   settings.lights = 20;
   settings.samples = 30;
@@ -400,7 +407,7 @@ TEST(PlanarTracer, RaysAtTheTablesAnglesAreTheTable) {
 }
 
 TEST(PlanarTracer, AnglesVaryLinearlyAlongTheSector) {
-  BakeSettings settings;
+  BakeSettings settings = even_settings();
   settings.smoothing = 0;
   const PlanarTracer tracer(settings);
   const DensityGrid grid = grid_of(random_sector(settings, 4), settings);
@@ -419,7 +426,7 @@ TEST(PlanarTracer, AnglesVaryLinearlyAlongTheSector) {
 }
 
 TEST(PlanarTracer, AnglesWrap) {
-  const BakeSettings settings;
+  const BakeSettings settings = even_settings();
   const PlanarTracer tracer(settings);
   const PlanarField field(grid_of(random_sector(settings, 6), settings));
   std::vector<float> tau(32), re(32), tau_down(32), re_down(32);

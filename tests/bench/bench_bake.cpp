@@ -20,6 +20,7 @@ using namespace pelage;
 
 BakeSettings dense_settings() {
   BakeSettings settings;
+  settings.views = settings.lights = settings.samples = 32;
   settings.max_strands = 40;
   return settings;
 }

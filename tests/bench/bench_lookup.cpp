@@ -17,6 +17,7 @@ constexpr std::size_t kPlates = 25;
 
 BakeSettings settings_of(Storage storage) {
   BakeSettings s;
+  s.views = s.lights = s.samples = 32;
   s.storage = storage;
   return s;
 }

@@ -49,8 +49,14 @@ Hairstyle style_of(int clusters) {
   return style;
 }
 
+BakeSettings even_settings() {
+  BakeSettings settings;
+  settings.views = settings.lights = settings.samples = 32;
+  return settings;
+}
+
 struct Fixture {
-  BakeSettings bake;
+  BakeSettings bake = even_settings();
   Hairstyle style = style_of(40);
   std::filesystem::path file = std::filesystem::temp_directory_path() / "pelage-bench-maps.hrir";
   std::unique_ptr<DatabaseSource> database;

@@ -178,7 +178,7 @@ TEST(BakeSettingsJson, ExampleLoadsAndTextIsCanonical) {
   const BakeSettings settings = load_bake_settings(kExamples / "bake.json");
   EXPECT_EQ(settings, BakeSettings{});
   EXPECT_EQ(bake_settings_from_json(to_json(settings), "text"), settings);
-  EXPECT_THAT(to_json(settings), HasSubstr(R"("sigma":0.05,"views":32)"));
+  EXPECT_THAT(to_json(settings), HasSubstr(R"("sigma":0.05,"views":128)"));
 }
 
 TEST(Validate, ResolvedSchemaHoldsNoReferences) {

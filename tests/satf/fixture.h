@@ -58,7 +58,8 @@ struct Scene {
   DirectSource source{bake};
   SatfModel model;
 
-  explicit Scene(Hairstyle s) : style(std::move(s)), model(make_model(style, bake, bake.samples)) {
+  explicit Scene(Hairstyle s, const BakeSettings& b = {})
+      : bake(b), style(std::move(s)), model(make_model(style, bake, bake.samples)) {
     source.attach(model.sectors);
   }
   /// Optical depth of one ring seen along `towards`.

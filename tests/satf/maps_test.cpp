@@ -42,7 +42,9 @@ TEST_P(MassConserved, DepthIntegratesToTheStrands) {
   // the shape of the ellipse and the direction of view (HARD_CASES 12).
   Cluster cluster = straight_cluster(GetParam());
   fill_disk(cluster, 300);
-  const Scene scene(style_of(std::move(cluster)));
+  BakeSettings bake;
+  bake.samples = 32;
+  const Scene scene(style_of(std::move(cluster)), bake);
   const CrossSection s = scene.model.instances[0].swept.cross_sections[4];
   for (const float a : {0.0F, 0.9F, 2.3F, 4.0F}) {
     const glm::vec3 towards{std::cos(a), 0.0F, std::sin(a)};
