@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # name, options of groom, options of tradeoff
 SCENES = [
-    ("bob", ["--style", "bob", "--strands", "6000", "--seed", "21"], ["--material", "blond", "--light", "0.2,0.5,1"]),
+    ("bob", ["--style", "bob", "--strands", "3000", "--seed", "21"],
+     ["--material", "blond", "--light", "0.2,0.5,1"]),
     ("curly", ["--style", "curly", "--strands", "3000", "--seed", "22"],
      ["--material", "red", "--preset", "curly", "--only", "shadow,density-map,deep-opacity,picture,truth,strands,simulation"]),
 ]
@@ -243,7 +244,7 @@ def main():
     if o.ladders:
         make_ladders(o)
     more = ["--quick"] if o.quick else []
-    files = [measure(o, *scene, more) for scene in SCENES]
+    files = [file for file in (measure(o, *scene, more) for scene in SCENES) if file.exists()]
     write(o, [json.loads(f.read_text()) for f in files])
     screenshot((files[0].parent / "index.html").resolve())
 

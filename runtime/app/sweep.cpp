@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <optional>
 
@@ -121,7 +122,7 @@ class MeasureSweep {
       done();
     }
     if (request_.combine) combine(done);
-    const MeasureFacts facts = measure().facts();
+    const MeasureFacts facts = facts_of_measure();
     diagram_.id = facts.id;
     diagram_.title = facts.title;
     diagram_.error_name = facts.error_name;
@@ -153,16 +154,35 @@ class MeasureSweep {
     }
   }
 
-  /// Made when the first point wants it: a sweep that is only read back needs no truth but for what the page says of
-  /// it.
+  /// Made when the first point wants it, once: where that fails, every point fails for its reason.
   Measure& measure() {
-    if (!measure_) measure_ = request_.make_measure(kind_, request_.measure);
+    if (cannot_) std::rethrow_exception(cannot_);
+    if (measure_) return *measure_;
+    try {
+      measure_ = request_.make_measure(kind_, request_.measure);
+    } catch (const Interrupted&) {
+      throw;
+    } catch (...) {
+      cannot_ = std::current_exception();
+      throw;
+    }
     return *measure_;
+  }
+
+  MeasureFacts facts_of_measure() {
+    try {
+      return measure().facts();
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
+      return {name_, name_, "error", "", "time", std::string("None could be had: ") + error.what()};
+    }
   }
 
   std::filesystem::path file_of(const std::string& id) const {
     return request_.folder / "points" / (name_ + "." + id + ".json");
   }
+
   void add(const Point& point) {
     console::throw_if_interrupted();
     TradeoffRow row = begin(point);
@@ -314,6 +334,7 @@ class MeasureSweep {
   std::vector<Point> points_;
   std::vector<Settings> bases_;
   std::unique_ptr<Measure> measure_;
+  std::exception_ptr cannot_;                    // why there is none
   std::map<std::string, std::size_t> measured_;  // scene and threads -> row
   Diagram diagram_;
 };

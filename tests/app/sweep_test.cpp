@@ -142,6 +142,24 @@ TEST_F(Sweep, PointThatFailsIsListedWithItsReason) {
   EXPECT_TRUE(row(t, "map.cells-64").failed.empty());
 }
 
+TEST_F(Sweep, MeasureThatCannotBeMadeFailsItsPointsAndNoOthers) {
+  SweepRequest r = request();
+  r.knobs.push_back(
+      {"motion.step", "Step.", "s", MeasureKind::motion, {}, numbers("simulation.life.step_s", {0.004, 0.008})});
+  int made = 0;
+  r.make_measure = [&, whole = r.make_measure](MeasureKind kind, const MeasureRequest& m) -> std::unique_ptr<Measure> {
+    if (kind == MeasureKind::picture) return whole(kind, m);
+    ++made;
+    throw InputError("a.hair", "has no strands");
+  };
+  const Tradeoff t = sweep(r);
+  ASSERT_EQ(t.diagrams.size(), 2U);
+  for (const TradeoffRow& row : t.diagrams[1].rows) EXPECT_THAT(row.failed, HasSubstr("has no strands"));
+  EXPECT_THAT(t.diagrams[1].truth, HasSubstr("has no strands"));
+  EXPECT_EQ(made, 1);
+  EXPECT_TRUE(row(t, "map.cells-64").failed.empty());
+}
+
 TEST_F(Sweep, OneSceneIsMeasuredOnce) {
   const Tradeoff t = sweep(request());
   std::set<std::string> scenes;
