@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/drawing.h"
@@ -10,7 +8,6 @@
 #include "pelage/app/picture_truth.h"
 #include "pelage/app/repeat.h"
 #include "pelage/app/stopwatch.h"
-#include "pelage/data_schema/errors.h"
 #include "pelage/image/picture_error.h"
 
 namespace pelage::app {

@@ -141,7 +141,7 @@ class PictureSearch {
   Spot probe_;
 };
 
-/// Those that can be drawn here, and are of the method that was asked for.
+/// Those of the method that was asked for.
 std::vector<Candidate> candidates_for(const Scene& scene, std::optional<Method> method) {
   std::vector<Candidate> candidates = read_ladder(data::picture_ladder_json, "picture_ladder.json").candidates;
   std::erase_if(candidates,

@@ -21,7 +21,7 @@ struct ChosenPicture {
   Image image;  // as Drawing::render gives it
 };
 
-/// Needs a current OpenGL context; without one, only the ray-traced method is a candidate.
+/// Needs a current OpenGL context.
 /// @param method  candidates of this one only; none: of all
 /// @throws UsageError where the ladder has none of that method, Interrupted
 ChosenPicture choose_picture(const Scene& scene, const Goal& goal, std::optional<Method> method);

@@ -150,7 +150,8 @@ void add_tradeoff(CLI::App& app) {
   auto o = std::make_shared<TradeoffOptions>();
   o->scene = add_scene_options(*verb);
   verb->get_option("input")->required(false);
-  verb->get_option("--size")->description("Pixels of pictures, WIDTHxHEIGHT [the scene's, within 320x240; 200x150]");
+  verb->get_option("--size")->description(
+      "Pixels of pictures, WIDTHxHEIGHT [the scene's, within 320x240; with --quick, 200x150]");
   verb->add_option("-o,--out", o->out,
                    "Folder for index.html, tradeoff.json, tradeoff.csv and points; made if there is none. A sweep that "
                    "was interrupted goes on from the points there");
