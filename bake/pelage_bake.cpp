@@ -1,5 +1,7 @@
 // Program `pelage-bake`: builds, merges, describes, verifies and queries HRIR databases. It links no OpenGL and no
 // OpenImageIO, so that it runs on farm nodes.
+#include <CLI/CLI.hpp>
+
 #include "pelage/bake/verbs.h"
 #include "pelage/console/program.h"
 

@@ -1,5 +1,6 @@
 // pelage-bake build: bakes a database, or one shard of it.
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <filesystem>

@@ -1,5 +1,6 @@
 // pelage-bake info: what a database holds and how it was baked.
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>

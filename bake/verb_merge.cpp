@@ -1,5 +1,6 @@
 // pelage-bake merge: puts the shards of a bake together.
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>

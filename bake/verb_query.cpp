@@ -1,4 +1,5 @@
 // pelage-bake query: one lookup of the SATF, as the runtime makes it, as JSON.
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <memory>

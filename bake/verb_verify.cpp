@@ -1,5 +1,6 @@
 // pelage-bake verify: a database against itself, against direct tracing, and against a hairstyle.
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>

@@ -2,7 +2,9 @@
 // numbers or JSON on stdout.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace pelage {
 

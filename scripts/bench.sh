@@ -1,17 +1,12 @@
 #!/usr/bin/env bash
 # Builds and runs every program of tests/bench: a table on stdout and in build/bench/NAME.txt, JSON in build/bench/NAME.json.
-# Usage: scripts/bench.sh [Google Benchmark options...]
+# Usage: scripts/bench.sh [--build-only | Google Benchmark options...]
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
-bash scripts/install-dependencies.sh
-build release -DPELAGE_BUILD_BENCHMARKS=ON
+bash scripts/install-dependencies.sh build bench
+build_benches
+if [[ "${1:-}" == --build-only ]]; then exit 0; fi
 mkdir -p build/bench
-shopt -s nullglob
-programs=(build/release/tests/bench/bench_*)
-if ((${#programs[@]} == 0)); then
-  echo "bench: no programs in tests/bench" >&2
-  exit 1
-fi
-for program in "${programs[@]}"; do
+for program in "$build_root"/release/tests/bench/bench_*; do
   [[ -f "$program" && -x "$program" ]] || continue
   name=$(basename "$program")
   echo "== $name"

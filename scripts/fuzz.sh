@@ -13,9 +13,9 @@ if ((seconds == 0)); then
   echo "fuzz: 0 seconds would never end: give at least 1" >&2
   exit 2
 fi
-bash scripts/install-dependencies.sh
+bash scripts/install-dependencies.sh build test
 mkdir -p build
-TARGETS=fuzzers build fuzz > build/fuzz-build.log 2>&1 || { cat build/fuzz-build.log; exit 1; }
+{ configure fuzz && build fuzz fuzzers; } > build/fuzz-build.log 2>&1 || { cat build/fuzz-build.log; exit 1; }
 
 bin=build/fuzz/tests/fuzz
 runs=build/fuzz/runs

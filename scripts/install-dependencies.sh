@@ -1,11 +1,34 @@
 #!/usr/bin/env bash
-# Installs what scripts/packages.txt lists (Debian 12). Safe to run again: when all is there it only looks.
-# Usage: scripts/install-dependencies.sh [--list]
+# Installs sections of scripts/packages.txt (Debian 12). Safe to run again: when all is there it only looks.
+# Usage: scripts/install-dependencies.sh [--list] [build] [test] [bench]
+# Without a section: build. --list prints the packages in place of installing them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-mapfile -t packages < <(sed 's/#.*//' packages.txt | tr -s ' \t' '\n' | sed '/^$/d')
-if [[ "${1:-}" == --list ]]; then
+list=0
+sections=()
+for argument in "$@"; do
+  case "$argument" in
+    --list) list=1 ;;
+    build | test | bench) sections+=("$argument") ;;
+    *)
+      echo "install-dependencies: there is no section '$argument' in packages.txt: give build, test or bench" >&2
+      exit 2
+      ;;
+  esac
+done
+if ((${#sections[@]} == 0)); then sections=(build); fi
+
+# packages_of <section>
+packages_of() {
+  sed 's/#.*//; s/[ \t]*$//' packages.txt | awk -v wanted="[$1]" '/^\[/ { inside = $0 == wanted; next } inside && NF { print $1 }'
+}
+
+packages=()
+for section in "${sections[@]}"; do
+  mapfile -t -O "${#packages[@]}" packages < <(packages_of "$section")
+done
+if ((list)); then
   printf '%s\n' "${packages[@]}"
   exit 0
 fi
@@ -22,7 +45,7 @@ for package in "${packages[@]}"; do
   grep -qx -- "$package" <<< "$installed" || missing+=("$package")
 done
 if ((${#missing[@]} == 0)); then
-  echo "install-dependencies: all ${#packages[@]} packages are there"
+  echo "install-dependencies: all ${#packages[@]} packages are there (${sections[*]})"
   exit 0
 fi
 

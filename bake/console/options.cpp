@@ -1,5 +1,6 @@
 #include "pelage/console/options.h"
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <string>

@@ -1,9 +1,12 @@
 // What both programs share: options, exit codes, interruption. DESIGN section 10.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace pelage::console {
 

@@ -1,6 +1,8 @@
 #include "pelage/app/budget.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 

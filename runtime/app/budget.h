@@ -1,13 +1,16 @@
 // --budget-ms and --target-error: what was asked for, chosen and reached, as options, text and JSON.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pelage/tradeoff/choice.h"
+
+namespace CLI {
+class App;
+}
 
 namespace pelage::app {
 

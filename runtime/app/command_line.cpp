@@ -1,5 +1,6 @@
 #include "pelage/app/command_line.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 namespace pelage::app {

@@ -1,9 +1,12 @@
 // The command line as text, for reports that say how they were made.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace pelage::app {
 

@@ -1,6 +1,7 @@
 #include "pelage/app/comparison_files.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "pelage/app/explain.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "pelage/app/verbs.h"
 #include "pelage/console/program.h"
 

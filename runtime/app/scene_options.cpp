@@ -1,5 +1,6 @@
 #include "pelage/app/scene_options.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -2,12 +2,15 @@
 // changes of it. DESIGN section 10.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pelage/data_schema/scene.h"
+
+namespace CLI {
+class App;
+}
 
 namespace pelage::app {
 

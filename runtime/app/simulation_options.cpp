@@ -1,5 +1,6 @@
 #include "pelage/app/simulation_options.h"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 

@@ -1,11 +1,14 @@
 // Options of how hair moves, which `simulate` and `view` share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "pelage/data_schema/scene.h"
+
+namespace CLI {
+class App;
+}
 
 namespace pelage::app {
 

@@ -1,6 +1,7 @@
 // `pelage cluster IN -o style.json`: fits clusters to a hair file and says how well they hold it.
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>

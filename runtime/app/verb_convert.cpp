@@ -1,6 +1,7 @@
 // pelage convert: a hair file of one format as a file of another.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>

@@ -1,6 +1,7 @@
 // Figures of the papers, drawn anew in one command each, as a sheet of pictures with what was measured under each.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <map>

@@ -1,5 +1,6 @@
 // pelage groom: procedural hair on the parametric head, or grown on a given head mesh, as a hair file.
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>

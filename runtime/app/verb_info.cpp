@@ -1,6 +1,7 @@
 // pelage info: what a hair file, its bone weights, a hairstyle or a database holds, and what looks implausible about
 // it.
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>

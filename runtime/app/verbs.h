@@ -1,7 +1,9 @@
 // The verbs of program `pelage`: each adds its subcommand, options and callback. One file per verb.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace pelage::app {
 

@@ -22,6 +22,13 @@ if(PELAGE_BUILD_FUZZERS)
   target_link_options(pelage_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# For code that a program runs once, not in loops (options, scenes, pages, orchestration): compiles in two thirds of the time,
+# and values stay the same, since no optimisation here may change them.
+set(PELAGE_COLD $<$<CONFIG:Release>:-O1>)
+function(pelage_cold target)
+  target_compile_options(${target} PRIVATE ${PELAGE_COLD})
+endfunction()
+
 # pelage_box(<box> SOURCES ... [PUBLIC targets...] [PRIVATE targets...])
 # Defines the static library pelage_<box> with the alias pelage::<box>; headers are included as "pelage/<box>/name.h".
 function(pelage_box box)

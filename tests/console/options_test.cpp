@@ -2,6 +2,7 @@
 #include "pelage/console/options.h"
 
 #include <gmock/gmock.h>
+#include <CLI/CLI.hpp>
 
 namespace pelage::console {
 namespace {

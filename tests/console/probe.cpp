@@ -1,5 +1,6 @@
 // A small program on the console's frame, run by program_test.cpp as a process of its own.
 #include <oneapi/tbb/global_control.h>
+#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <iostream>

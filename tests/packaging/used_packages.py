@@ -3,7 +3,8 @@
 
 Takes every system header that the compiler opened (ninja -t deps) and every shared library that the programs name
 (readelf, NEEDED), finds the Debian packages that own them (dpkg-query -S), and fails for each package that is neither in
-the list, nor a dependency of one in it, nor part of the C and C++ toolchain. Works offline; exit 77 where there is no dpkg.
+the list, nor a dependency of one in it, nor part of the C and C++ toolchain. What the programs use must be in the section
+[build] alone, which is all that the demo installs. Works offline; exit 77 where there is no dpkg.
 """
 
 import argparse
@@ -23,13 +24,15 @@ def output_of(*command):
 
 
 def included_headers(build):
-    """System headers in ninja's dependency log."""
-    headers = set()
+    """System headers in ninja's dependency log: those of the programs, and those of tests and benches."""
+    of_programs, of_tests = set(), set()
     for line in output_of("ninja", "-C", str(build), "-t", "deps").splitlines():
         path = line.strip()
-        if line.startswith("    ") and path.startswith("/usr/"):
+        if line and not line.startswith(" "):
+            headers = of_tests if line.startswith("tests/") else of_programs
+        elif path.startswith("/usr/"):
             headers.add(os.path.normpath(path))
-    return headers
+    return of_programs, of_tests
 
 
 def linked_libraries(build):
@@ -93,6 +96,19 @@ def closure(packages):
     return seen
 
 
+def report_missing(paths, listed, sections):
+    """Prints the packages that own these paths and that these sections lack. Returns how many."""
+    allowed = closure(listed + TOOLCHAIN)
+    missing = {}
+    for path, package in owners(paths).items():
+        if package not in allowed:
+            missing.setdefault(package or "no package", []).append(path)
+    for package, of_it in sorted(missing.items()):
+        print(f"{package}: {sorted(of_it)[0]} and {len(of_it) - 1} more: add it to scripts/packages.txt, [{sections[-1]}]")
+    print(f"{', '.join(sections)}: {len(paths)} files, {len(listed)} packages listed, {len(missing)} missing")
+    return len(missing)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", required=True)
@@ -103,19 +119,15 @@ def main():
         print("no dpkg here: skipped")
         return 77
 
-    listed = output_of("bash", f"{options.source}/scripts/install-dependencies.sh", "--list").split()
-    headers, libraries = included_headers(options.build), linked_libraries(options.build)
-    if len(headers) < 100:
-        print(f"only {len(headers)} system headers found: is {options.build} built?")
+    of_programs, of_tests = included_headers(options.build)
+    libraries = linked_libraries(options.build)
+    if len(of_programs) < 100:
+        print(f"only {len(of_programs)} system headers found: is {options.build} built?")
         return 1
-    allowed = closure([p for p in listed if p not in options.without] + TOOLCHAIN)
-    missing = {}
-    for path, package in owners(headers | libraries).items():
-        if package not in allowed:
-            missing.setdefault(package or "no package", []).append(path)
-    for package, paths in sorted(missing.items()):
-        print(f"{package}: {sorted(paths)[0]} and {len(paths) - 1} more: add it to scripts/packages.txt")
-    print(f"{len(headers)} headers, {len(libraries)} libraries, {len(listed)} packages listed, {len(missing)} missing")
+    missing = 0
+    for sections, paths in ((["build"], of_programs | libraries), (["build", "test", "bench"], of_tests)):
+        listed = output_of("bash", f"{options.source}/scripts/install-dependencies.sh", "--list", *sections).split()
+        missing += report_missing(paths, [p for p in listed if p not in options.without], sections)
     return 1 if missing else 0
 
 
