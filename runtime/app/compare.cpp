@@ -12,8 +12,8 @@
 
 #include "pelage/app/command_line.h"
 #include "pelage/app/compared_truth.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/machine.h"
-#include "pelage/app/motion_bounds.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/stopwatch.h"
 #include "pelage/console/program.h"
@@ -100,16 +100,11 @@ class Run {
   }
 
   Camera framed() const {
-    const ImageSettings& p = request_.scene.image;
-    const double seconds = animated() ? frames() / fps() : 0;
-    Bounds bounds;
-    if (animated()) {
-      bounds = motion_bounds(hair_.strands, head_, request_.scene.simulation.motion, strand_frames_.pivot, seconds);
-    } else {
-      for (const glm::vec3& v : hair_.strands.vertices) bounds.add(v);
-      for (const glm::vec3& v : head_.vertices) bounds.add(v);
-    }
-    return framed_camera(bounds, static_cast<float>(p.width) / static_cast<float>(p.height));
+    const Scene& scene = request_.scene;
+    if (!animated()) return camera_of(scene, hair_.strands, head_);
+    return framed_camera(
+        carried_points(hair_.strands, head_, scene.simulation.motion, strand_frames_.pivot, frames() / fps()),
+        aspect_of(scene.image));
   }
 
   void describe() {

@@ -33,7 +33,6 @@ class FrameDrawing : public Drawing {
 
   Mesh head() const override { return frame_.head(); }
   void refresh() override { frame_.refresh(); }
-  const Bounds& bounds() const override { return frame_.bounds(); }
   const StageLedger& ledger() const override { return frame_.ledger(); }
 
  protected:
@@ -125,12 +124,8 @@ class TruthDrawing final : public Drawing {
     }
     auto stage = ledger_.run("hierarchy");
     scene_.emplace(strands_, opacity_, head_.triangles.empty() ? nullptr : &head_);
-    bounds_ = {};
-    for (const glm::vec3& p : strands_.vertices) bounds_.add(p);
-    for (const glm::vec3& p : head_.vertices) bounds_.add(p);
   }
   HairFacts facts() const override { return {&lines_, nullptr, &head_, opacity_}; }
-  const Bounds& bounds() const override { return bounds_; }
   const StageLedger& ledger() const override { return ledger_; }
 
  private:
@@ -163,7 +158,6 @@ class TruthDrawing final : public Drawing {
   std::uint64_t seed_ = 1;
   StageLedger ledger_;
   std::optional<FibreScene> scene_;
-  Bounds bounds_;
 };
 
 }  // namespace

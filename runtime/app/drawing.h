@@ -36,7 +36,6 @@ class Drawing {
   virtual void move(const Strands& lines, const glm::dquat& turn, Mesh head) = 0;
   /// The next picture is made as if the hair had moved: what does not depend on that is kept. For measurements.
   virtual void refresh() {}
-  virtual const Bounds& bounds() const = 0;
   virtual HairFacts facts() const = 0;
   virtual const StageLedger& ledger() const = 0;
   /// Of the truth: pictures of different seeds have independent noise. Others have none.

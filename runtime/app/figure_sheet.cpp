@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pelage/app/framing.h"
 #include "pelage/console/program.h"
 #include "pelage/hair/head.h"
 #include "pelage/image/draw.h"
@@ -40,8 +41,7 @@ Subject subject_of(const Scene& scene, hair::GroomStyle style, std::uint32_t str
 }
 
 Image picture_of(Drawing& drawing, const Scene& scene) {
-  const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-  Image image = drawing.render(scene, scene.camera.value_or(framed_camera(drawing.bounds(), aspect)));
+  Image image = drawing.render(scene, camera_of(scene, drawing));
   expose(image, scene.image.exposure);
   compose_over(image, scene.image.background.value_or(glm::vec3(0.85F)));
   console::throw_if_interrupted();

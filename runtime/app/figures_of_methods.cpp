@@ -3,6 +3,7 @@
 // reflectance that changes with where hair, eye and light are, nor shadow. Here: strands with Scheuermann's lobes, lit
 // as if alone. The paper shows no truth and measures nothing; these do.
 #include "pelage/app/figures_of_methods.h"
+#include "pelage/app/framing.h"
 
 #include <fmt/format.h>
 
@@ -52,8 +53,7 @@ Image sheet_of(Scene scene, const std::vector<Variant>& variants) {
   if (!scene.image.background) scene.image.background = glm::vec3(0.85F);
   scene.truth.samples = std::max(scene.truth.samples / 2, 1);  // of one half
   const auto traced = make_drawing(scene);
-  const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-  if (!scene.camera) scene.camera = framed_camera(traced->bounds(), aspect);
+  scene.camera = camera_of(scene, *traced);
   const ComparedTruth truth = draw_truth(*traced, scene, *scene.camera, {});
   const TruthFrame& frame = truth.frames.front();
   Sheet sheet({static_cast<int>(variants.size()) + 1, 1}, size_of(scene));

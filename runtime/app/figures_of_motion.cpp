@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "pelage/app/figure_sheet.h"
-#include "pelage/app/motion_bounds.h"
+#include "pelage/app/framing.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/simulate/head_motion.h"
@@ -31,9 +31,8 @@ class Mover {
   }
   /// One camera for all pictures up to a time.
   Camera camera(const Scene& scene, double seconds) const {
-    const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-    return framed_camera(motion_bounds(drawing_->lines(), drawing_->head(), settings_.motion, hair_.pivot(), seconds),
-                         aspect);
+    return framed_camera(carried_points(drawing_->lines(), drawing_->head(), settings_.motion, hair_.pivot(), seconds),
+                         aspect_of(scene.image));
   }
 
  private:

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "pelage/app/drawing.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/measure.h"
 #include "pelage/app/repeat.h"
 #include "pelage/data_schema/errors.h"
@@ -73,8 +74,7 @@ class CurveMeasure final : public Measure {
     result.error = 1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(places, 1)));
     result.others = {{"max", 1e3 * most}};
     const auto drawing = make_strand_drawing(scene.method, hair_, head_);
-    const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-    const Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
+    const Camera camera = camera_of(scene, hair_.strands, head_);
     result.ms = repeated_ms(
         [&] {
           drawing->refresh();

@@ -13,11 +13,11 @@ constexpr int kPictureWidth = 320, kPictureHeight = 240, kPictureSamples = 4;
 constexpr float kAspect = static_cast<float>(kPictureWidth) / kPictureHeight;
 
 /// Of the hair in all frames.
-Bounds bounds_of(const ConvergedMotion& converged) {
-  Bounds bounds;
+std::vector<glm::vec3> points_of(const ConvergedMotion& converged) {
+  std::vector<glm::vec3> points;
   for (const Strands& frame : converged.frames())
-    for (const glm::vec3& p : frame.vertices) bounds.add(p);
-  return bounds;
+    points.insert(points.end(), frame.vertices.begin(), frame.vertices.end());
+  return points;
 }
 
 class MotionMeasure final : public Measure {
@@ -34,7 +34,7 @@ class MotionMeasure final : public Measure {
               "mm",
               "a frame: chains, voxels and drawn strands",
               converged_.what()};
-    camera_ = request.scene.camera.value_or(framed_camera(bounds_of(converged_), kAspect));
+    camera_ = request.scene.camera.value_or(framed_camera(points_of(converged_), kAspect));
   }
   const MeasureFacts& facts() const override { return facts_; }
   std::pair<std::string, std::string> command() const override { return {"simulate", "--stats"}; }

@@ -4,6 +4,7 @@
 
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/drawing.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/measure.h"
 #include "pelage/app/picture_truth.h"
 #include "pelage/app/repeat.h"
@@ -21,12 +22,8 @@ class PictureMeasure final : public Measure {
   explicit PictureMeasure(const MeasureRequest& request) : scene_(request.scene) {
     hair_ = prepare_strands(scene_);
     head_ = prepare_head(scene_);
-    Bounds bounds;
-    for (const glm::vec3& v : hair_.strands.vertices) bounds.add(v);
-    for (const glm::vec3& v : head_.vertices) bounds.add(v);
     const ImageSettings& image = scene_.image;
-    camera_ = scene_.camera.value_or(
-        framed_camera(bounds, static_cast<float>(image.width) / static_cast<float>(image.height)));
+    camera_ = camera_of(scene_, hair_.strands, head_);
     Scene wanted = scene_;
     wanted.truth.samples = std::max(wanted.truth.samples, request.quick ? kQuickSamples : kSamples);
     const PictureTruth truth(hair_, head_, wanted, camera_);

@@ -1,4 +1,5 @@
 #include "pelage/app/picture_budget.h"
+#include "pelage/app/framing.h"
 
 #include <fmt/format.h>
 
@@ -87,12 +88,10 @@ struct Spot {
 class PictureSearch {
  public:
   explicit PictureSearch(const Scene& scene)
-      : scene_(scene), hair_(prepare_strands(scene)), head_(prepare_head(scene)) {
-    Bounds bounds;
-    for (const glm::vec3& v : hair_.strands.vertices) bounds.add(v);
-    for (const glm::vec3& v : head_.vertices) bounds.add(v);
-    const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-    camera_ = scene.camera.value_or(framed_camera(bounds, aspect));
+      : scene_(scene),
+        hair_(prepare_strands(scene)),
+        head_(prepare_head(scene)),
+        camera_(camera_of(scene, hair_.strands, head_)) {
     Scene wanted = scene;
     wanted.truth.samples = kSamples;
     truth_.emplace(hair_, head_, wanted, camera_);

@@ -7,6 +7,7 @@
 
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/picture.h"
 #include "pelage/app/picture_budget.h"
 #include "pelage/app/scene_options.h"
@@ -58,9 +59,7 @@ Drawn draw(const Scene& scene) {
   Drawn drawn;
   drawn.scene = scene;
   drawn.drawing = make_drawing(scene);
-  const ImageSettings& picture = scene.image;
-  const float aspect = static_cast<float>(picture.width) / static_cast<float>(picture.height);
-  drawn.camera = scene.camera.value_or(framed_camera(drawn.drawing->bounds(), aspect));
+  drawn.camera = camera_of(scene, *drawn.drawing);
   drawn.image = drawn.drawing->render(scene, drawn.camera);
   return drawn;
 }

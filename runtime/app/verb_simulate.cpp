@@ -11,7 +11,7 @@
 #include "pelage/app/clip.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain_motion.h"
-#include "pelage/app/motion_bounds.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/motion_budget.h"
 #include "pelage/app/output_folder.h"
 #include "pelage/app/picture.h"
@@ -91,9 +91,9 @@ class Sequence {
     choose_settings();
     const SimulationSettings s = planned_motion(scene_, strands, subject_.head, subject_.hair.opacity);
     clip_.emplace(strands, subject_.head, s, options.fps, options.seconds);
-    const ImageSettings& p = scene.image;
-    const Bounds way = motion_bounds(strands, subject_.head, s.motion, hair().pivot(), frames() / options.fps);
-    camera_ = scene.camera.value_or(framed_camera(way, static_cast<float>(p.width) / static_cast<float>(p.height)));
+    camera_ = scene.camera.value_or(
+        framed_camera(carried_points(strands, subject_.head, s.motion, hair().pivot(), frames() / options.fps),
+                      aspect_of(scene.image)));
     describe();
     warn_of_older(options.out, frames(), ".png");
     warn_of_older(options.hair_out, frames(), ".hair");

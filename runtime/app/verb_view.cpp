@@ -12,6 +12,7 @@
 #include "pelage/app/clip.h"
 #include "pelage/app/drawing.h"
 #include "pelage/app/explain.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/scene_options.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
@@ -166,8 +167,7 @@ void view(const CLI::App& verb, const ViewOptions& options) {
   if (is_moving(verb)) {
     motion.emplace(*drawing, planned_motion(scene, drawing->lines(), drawing->head(), drawing->facts().opacity));
   }
-  const float aspect = static_cast<float>(scene.image.width) / static_cast<float>(scene.image.height);
-  Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), aspect));
+  Camera camera = camera_of(scene, *drawing);
   const Camera home = camera;
   bool paused = true;
   for (int drawn = 0; !window.should_close() && (options.frames == 0 || drawn < options.frames); ++drawn) {

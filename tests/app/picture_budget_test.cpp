@@ -12,6 +12,7 @@
 
 #include "ladders.h"
 #include "pelage/app/compared_truth.h"
+#include "pelage/app/framing.h"
 #include "pelage/app/ladder.h"
 #include "pelage/app/picture_budget.h"
 #include "pelage/app/picture_truth.h"
@@ -156,7 +157,7 @@ double time_ratio(const Scene& scene, const Scene& chosen, const Camera& camera)
 
 double own_ms(const Scene& scene) {
   const auto drawing = make_drawing(scene);
-  const Camera camera = scene.camera.value_or(framed_camera(drawing->bounds(), 1));
+  const Camera camera = camera_of(scene, *drawing);
   return median_of(repeated_ms([&] { drawing->refresh(), drawing->render(scene, camera); }, {5, 5, 0}));
 }
 
