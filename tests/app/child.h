@@ -41,6 +41,11 @@ class Child {
     return at != std::string::npos &&
            (std::stoull(status.substr(at + key.size(), 16), nullptr, 16) >> (number - 1) & 1) != 0;
   }
+  /// Has it not ended yet? Asks without waiting, and leaves the exit status to wait().
+  bool is_running() const {
+    siginfo_t info{};
+    return waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
+  }
   std::string err() const { return text_of(folder_ / "stderr"); }
   Result wait() const {
     int status = 0;

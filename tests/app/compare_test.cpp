@@ -303,7 +303,7 @@ TEST_F(Compare, CtrlCLeavesTheEarlierComparison) {
   ASSERT_EQ(compare("@scene.json", {"--methods", "unshadowed"}).code, 0);
   const std::string before = text_of(*folder_ / "out/comparison.json");
   const Child child(*folder_, {"compare", "@scene.json", "-o", "@out", "--size", "900x900", "--samples", "4096"});
-  for (int i = 0; i < 200 && child.err().find("tracing") == std::string::npos; ++i) usleep(100'000);
+  while (child.is_running() && child.err().find("tracing") == std::string::npos) usleep(100'000);
   child.signal(SIGINT);
   EXPECT_EQ(child.wait().code, 130);
   EXPECT_EQ(text_of(*folder_ / "out/comparison.json"), before);

@@ -182,7 +182,8 @@ TEST_F(Sweep, CombinationsOfKnobsAreMeasuredWhereTheyMayPay) {
   EXPECT_GT(on_front, 0);
   SweepRequest alone = request();
   alone.combine = false;
-  for (const TradeoffRow& r : sweep(alone).diagrams[0].rows) EXPECT_NE(r.knob, "combined");
+  const Tradeoff without = sweep(alone);
+  for (const TradeoffRow& r : without.diagrams[0].rows) EXPECT_NE(r.knob, "combined");
 }
 
 TEST_F(Sweep, ResumedIsTheSameAsUndisturbed) {
@@ -232,7 +233,8 @@ TEST_F(Sweep, QuickKeepsBothEndsOfAKnob) {
   SweepRequest quick = request();
   quick.measure.quick = true;
   std::vector<double> cells;
-  for (const TradeoffRow& r : sweep(quick).diagrams[0].rows)
+  const Tradeoff t = sweep(quick);
+  for (const TradeoffRow& r : t.diagrams[0].rows)
     if (r.knob == "map.cells") cells.push_back(r.amount);
   EXPECT_EQ(cells.size(), 5U);
   EXPECT_EQ(cells.front(), 16);
