@@ -17,6 +17,7 @@
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/db/database.h"
@@ -151,10 +152,11 @@ void build(const Options& o) {
 }  // namespace
 
 void add_build(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("build", "Bakes a database of random sectors, or of a hairstyle's own");
+  console::Verb* const verb =
+      console::add_verb(app, "build", "Bakes a database of random sectors, or of a hairstyle's own");
   const auto o = std::make_shared<Options>();
-  verb->add_option("--from", o->from, "hairstyle file: bake its representative sectors instead of random ones");
-  verb->add_option("--settings", o->settings, "bake settings (JSON); the options below go before it");
+  verb->add_input("--from", o->from, "hairstyle file: bake its representative sectors instead of random ones");
+  verb->add_input("--settings", o->settings, "bake settings (JSON); the options below go before it");
   verb->add_option("--sectors", o->sectors, "records to bake (default 1000)")->check(CLI::Range(1, 1000000));
   verb->add_option("--seed", o->seed, "of the random sectors and of the choice of representatives (default 1)")
       ->check(console::finite(0, static_cast<double>(kLargestSeed)));
@@ -172,10 +174,11 @@ void add_build(CLI::App& app) {
   verb->add_flag_callback(
           "--no-resume", [o] { o->resume = Resume::never; }, "begin anew; an interrupted bake's records are deleted")
       ->excludes(must);
-  verb->add_option("-o,--output", o->output, "database to write, e.g. hair.hrir; an interrupted bake is resumed")
+  verb->add_output("-o,--output", o->output, "database to write, e.g. hair.hrir; an interrupted bake is resumed",
+                   {{".partial"}})
       ->required();
   console::add_common_options(*verb);
-  verb->callback([o] { build(*o); });
+  verb->runs([o] { build(*o); });
 }
 
 }  // namespace pelage

@@ -11,6 +11,7 @@
 #include "pelage/bake/verbs.h"
 #include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/db/database.h"
 
 namespace pelage {
@@ -85,12 +86,12 @@ void info(const std::string& file) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("info", "Says what a database or shard holds and how it was baked (`pelage info` draws it)");
+  console::Verb* const verb = console::add_verb(
+      app, "info", "Says what a database or shard holds and how it was baked (`pelage info` draws it)");
   const auto file = std::make_shared<std::string>();
-  verb->add_option("database", *file, "HRIR database")->required();
+  verb->add_input("database", *file, "HRIR database")->required();
   console::add_common_options(*verb);
-  verb->callback([file] { info(*file); });
+  verb->runs([file] { info(*file); });
 }
 
 }  // namespace pelage

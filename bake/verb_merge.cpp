@@ -12,6 +12,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/console/verb.h"
 #include "pelage/db/database.h"
 
 namespace pelage {
@@ -45,13 +46,14 @@ void merge(const Options& o) {
 }  // namespace
 
 void add_merge(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "merge", "Puts shards together, to the same bytes as one bake of all; they must agree in all that was baked");
+  console::Verb* const verb = console::add_verb(
+      app, "merge",
+      "Puts shards together, to the same bytes as one bake of all; they must agree in all that was baked");
   const auto o = std::make_shared<Options>();
-  verb->add_option("shards", o->shards, "all shards of a bake (build --shard), in any order")->required();
-  verb->add_option("-o,--output", o->output, "database to write")->required();
+  verb->add_input("shards", o->shards, "all shards of a bake (build --shard), in any order")->required();
+  verb->add_output("-o,--output", o->output, "database to write", {{".partial"}})->required();
   console::add_common_options(*verb);
-  verb->callback([o] { merge(*o); });
+  verb->runs([o] { merge(*o); });
 }
 
 }  // namespace pelage

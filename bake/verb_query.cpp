@@ -14,6 +14,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/database_source.h"
 
@@ -117,10 +118,10 @@ void query(const Options& o) {
 }  // namespace
 
 void add_query(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("query", "One lookup as JSON: the records found, opacity and reflectance along s");
+  console::Verb* const verb =
+      console::add_verb(app, "query", "One lookup as JSON: the records found, opacity and reflectance along s");
   const auto o = std::make_shared<Options>();
-  verb->add_option("database", o->database, "HRIR database")->required();
+  verb->add_input("database", o->database, "HRIR database")->required();
   verb->add_option("--record", o->record, "look up the strands of this record");
   verb->add_option("--strands", o->crossings,
                    "look up these strands: pairs s r, sector coordinates, from -0.35 to 1.35 (the sector is 0 to 1)")
@@ -134,7 +135,7 @@ void add_query(CLI::App& app) {
   verb->add_flag("--own-alpha", o->lookup.own_alpha, "opacity from the strands, reflectance from the record");
   verb->add_flag("--direct", o->direct, "also trace the strands directly, to compare");
   console::add_common_options(*verb);
-  verb->callback([o] { query(*o); });
+  verb->runs([o] { query(*o); });
 }
 
 }  // namespace pelage

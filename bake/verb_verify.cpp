@@ -13,6 +13,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/coverage.h"
 
@@ -114,20 +115,21 @@ void verify(const Options& o) {
 }  // namespace
 
 void add_verify(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("verify", "Checks a database against itself, direct tracing and a hairstyle");
+  console::Verb* const verb =
+      console::add_verb(app, "verify", "Checks a database against itself, direct tracing and a hairstyle");
   const auto o = std::make_shared<Options>();
-  verb->add_option("database", o->database, "HRIR database or shard")->required();
+  verb->add_input("database", o->database, "HRIR database or shard")->required();
   verb->add_option("--retrace", o->retraced, "records to trace again and compare; exit code 3 when they differ")
       ->check(console::finite(0, 1e6));
-  verb->add_option("--against", o->against,
-                   "hairstyle file: how well its sectors are covered, and the error of each rung of the accuracy "
-                   "ladder on them");
+  verb->add_input("--against", o->against,
+                  "hairstyle file: how well its sectors are covered, and the error of each rung of the accuracy "
+                  "ladder on them");
   verb->add_option("--sectors", o->ladder.sectors, "with --against: sectors to compare, about")
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--angle-pairs", o->ladder.angle_pairs, "with --against: (view, light) pairs per sector")
       ->check(CLI::Range(1, 1000));
   console::add_common_options(*verb);
-  verb->callback([o] { verify(*o); });
+  verb->runs([o] { verify(*o); });
 }
 
 }  // namespace pelage

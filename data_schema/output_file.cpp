@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <optional>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -28,17 +30,67 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// The file that a chain of symbolic links ends at, there or not, so that renaming makes that and does not replace the
-/// link. @throws OutputError where the chain has no end
-fs::path follow(const fs::path& file) {
+/// The file that a chain of symbolic links ends at, there or not; none where the chain has no end.
+std::optional<fs::path> end_of_links(const fs::path& file) {
   std::error_code none;
   fs::path target = file;
   for (int links = 0; fs::is_symlink(target, none); ++links) {
-    if (links == 40) throw OutputError(file.string(), "is a link that leads to itself: name another file");
+    if (links == 40) return {};
     const fs::path next = fs::read_symlink(target, none);
     target = next.is_absolute() ? next : folder_of(target) / next;
   }
   return target;
+}
+
+/// The same, so that renaming makes that file and does not replace the link. @throws OutputError
+fs::path follow(const fs::path& file) {
+  if (const std::optional<fs::path> target = end_of_links(file)) return *target;
+  throw OutputError(file.string(), "is a link that leads to itself: name another file");
+}
+
+/// One name for every spelling of a path, whether the file is there or not; hard links have several.
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(end_of_links(path).value_or(path), error);
+  const fs::path canonical = fs::weakly_canonical(absolute, error);
+  return error ? absolute.lexically_normal() : canonical;
+}
+
+/// By device and inode where both are there, so that hard links count, else by name.
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code none;
+  return fs::equivalent(a, b, none) || resolved(a) == resolved(b);
+}
+
+/// Where in the folder the file lies, or empty.
+fs::path place_in(const fs::path& folder, const fs::path& file) {
+  const fs::path place = resolved(file).lexically_relative(resolved(folder));
+  return place.empty() || *place.begin() == ".." || place == "." ? fs::path() : place;
+}
+
+/// What of the output would write over `file`: the output itself, or a file in its folder.
+std::optional<fs::path> written_over(const Output& output, const fs::path& file) {
+  if (is_same_file(output.path, file)) return output.path;
+  if (output.names.empty()) return {};
+  const std::regex names(output.names);
+  const fs::path place = place_in(output.path, file);
+  if (!place.empty() && std::regex_match(place.string(), names)) return output.path / place;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(output.path, none))
+    if (std::regex_match(entry.path().filename().string(), names) && is_same_file(entry.path(), file))
+      return entry.path();
+  return {};
+}
+
+/// Does one of two outputs write over the other?
+bool clash(const Output& a, const Output& b) {
+  if (!a.names.empty() && !b.names.empty()) return a.names == b.names && is_same_file(a.path, b.path);
+  return a.names.empty() ? written_over(b, a.path).has_value() : written_over(a, b.path).has_value();
+}
+
+[[noreturn]] void refuse(const Output& output, const fs::path& written, const std::string& as, const fs::path& path) {
+  const std::string spelling = written == path ? "" : " (" + path.string() + ")";
+  throw UsageError(written.string() + ": " + output.as + " would write over " + as + spelling + ": " + output.remedy);
 }
 
 /// Hidden, beside the file: `.name.<process>-<count>.part`.
@@ -93,6 +145,18 @@ void check_writable(const fs::path& file) {
     throw OutputError(file.string(), "is not writable (" + reason(errno) + "): change its permissions or name another");
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw OutputError(file.string(), "its folder is not writable (" + reason(errno) + "): choose another folder");
+}
+
+void check_apart(std::span<const Output> outputs, std::span<const NamedFile> inputs) {
+  std::error_code none;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const NamedFile& input : inputs) {
+      if (!fs::exists(input.path, none)) continue;
+      if (const auto written = written_over(outputs[i], input.path)) refuse(outputs[i], *written, input.as, input.path);
+    }
+    for (const Output& earlier : outputs.first(i))
+      if (clash(earlier, outputs[i])) refuse(outputs[i], outputs[i].path, earlier.as, earlier.path);
+  }
 }
 
 void remove_stale_temporaries(const fs::path& file) noexcept {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace pelage {
@@ -9,6 +11,26 @@ namespace pelage {
 /// Could `file` be written? Call it before the work, so that an hour of it is not lost to a typing error.
 /// @throws OutputError (missing folder, is a folder, not a regular file, not writable) with the remedy
 void check_writable(const std::filesystem::path& file);
+
+/// A file that somebody named, and what they named it as: "the input", "--head", "the scene's hair".
+struct NamedFile {
+  std::string as;
+  std::filesystem::path path;
+};
+
+/// A file that will be written.
+struct Output {
+  std::string as;
+  std::filesystem::path path;
+  std::string
+      names;  // given: `path` is a folder, and the files are those in it whose path there this ECMAScript matches
+  std::string remedy = "name another file";
+};
+
+/// Refuses outputs that would write over an input or over each other, however the paths are spelled: relative, by
+/// symbolic or hard link. Call it before the work. Inputs that are not there are passed over: their reader says so.
+/// @throws UsageError with both spellings and the remedy
+void check_apart(std::span<const Output> outputs, std::span<const NamedFile> inputs);
 
 /// Removes what writers of `file` that were killed left beside it. For a caller who knows that nobody else writes it.
 void remove_stale_temporaries(const std::filesystem::path& file) noexcept;

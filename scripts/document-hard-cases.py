@@ -19,7 +19,8 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parent.parent
 MANIFEST = SOURCE / "tests/hard/cases.json"
 TABLE = SOURCE / "docs/hard-cases.md"
-CASES = 32
+CASES = 32  # that must be there
+LAST = 41   # of those found since, which are there once they have tests
 
 HEAD = """# Hard cases
 What breaks, and what happens instead: the table is `tests/hard/cases.json`, its last column the run of `ctest -L hard` by
@@ -53,11 +54,12 @@ def patterns_of(cases):
 def faults_of_manifest(cases):
     """What the manifest lacks by itself."""
     numbers = [case["case"] for case in cases]
-    for number in range(1, CASES + 1):
-        if numbers.count(number) != 1:
-            yield f"case {number} is there {numbers.count(number)} times"
-    if numbers != sorted(numbers) or set(numbers) - set(range(1, CASES + 1)):
-        yield f"cases are not 1 to {CASES} in order"
+    for number in range(1, LAST + 1):
+        count = numbers.count(number)
+        if count > 1 or (count == 0 and number <= CASES):
+            yield f"case {number} is there {count} times"
+    if numbers != sorted(numbers) or set(numbers) - set(range(1, LAST + 1)):
+        yield f"cases are not 1 to {LAST} in order"
     for case in cases:
         if not case["sub_cases"]:
             yield f"case {case['case']} has no sub-case"

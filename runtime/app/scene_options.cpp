@@ -213,12 +213,12 @@ void check_hairstyle_options(const CLI::App& verb, const Scene& scene) {
 
 }  // namespace
 
-std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
+std::shared_ptr<SceneOptions> add_scene_options(console::Verb& verb) {
   auto o = std::make_shared<SceneOptions>();
-  verb.add_option("input", o->input,
-                  "Scene file (.json), hairstyle file (.json) or hair file (any that `pelage info` reads)")
+  verb.add_input("input", o->input,
+                 "Scene file (.json), hairstyle file (.json) or hair file (any that `pelage info` reads)")
       ->required();
-  verb.add_option("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
+  verb.add_input("--head", o->head, "Head or body under the hair (OBJ, same unit and axes as the hair)");
   verb.add_option("--unit", o->unit, "Unit of hair and head: m, cm, mm, in [m]");
   verb.add_option("--up", o->up, "Axis that points up in hair and head: x, y, z [y]");
   verb.add_option("--curve", o->curve, "What a hair file's vertices are: polyline, bspline [polyline]");
@@ -227,7 +227,7 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--opacity", o->opacity,
                   "Share of a crossing ray that a fibre of a hair file stops [the file's, or 0.6]")
       ->check(console::finite(0.001, 1));
-  verb.add_option("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
+  verb.add_input("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
   verb.add_option("--camera", o->camera,
                   "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
   verb.add_option("--light", o->lights,
@@ -246,8 +246,8 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   verb.add_option("--supersampling", o->supersampling, "Samples per pixel and side, 1 to 8")
       ->capture_default_str()
       ->check(CLI::Range(1, 8));
-  verb.add_option("--database", o->database,
-                  "HRIR database, or generic: one for any hair is baked and cached [one adapted to the hair is]");
+  verb.add_input("--database", o->database,
+                 "HRIR database, or generic: one for any hair is baked and cached [one adapted to the hair is]");
   verb.add_option(
       "--records", o->records,
       "database; own-alpha: opacity from the hair itself, reflectance from the database; direct: trace every "
@@ -301,7 +301,7 @@ std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb) {
   return o;
 }
 
-Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
+Scene resolve_scene(const console::Verb& verb, const SceneOptions& o) {
   const auto given = [&](const char* name) { return verb.count(name) > 0; };
   Scene scene;
   if (given("input")) check_input(o.input);
@@ -367,6 +367,8 @@ Scene resolve_scene(const CLI::App& verb, const SceneOptions& o) {
   set_effects(o, scene);
   check_hairstyle_options(verb, scene);
   scene = with_values(scene, o.values);
+  verb.check_files(
+      {{"the scene's hair", scene.hair}, {"the scene's head", scene.head}, {"the scene's database", scene.database}});
   for (Light& light : scene.lights) lengthen(light);
   if (scene.lights.size() > kMaxLights) {
     throw UsageError("the scene has " + std::to_string(scene.lights.size()) + " lights; at most " +

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/scene.h"
 
 namespace CLI {
@@ -29,11 +30,11 @@ struct SceneOptions {
 };
 
 /// Adds the options; the returned object is filled when the command line is parsed and must outlive the callback.
-std::shared_ptr<SceneOptions> add_scene_options(CLI::App& verb);
+std::shared_ptr<SceneOptions> add_scene_options(console::Verb& verb);
 
 /// The scene: the file's or, for a hair or hairstyle file, the default one, then the options that were given.
-/// @throws UsageError, InputError
-Scene resolve_scene(const CLI::App& verb, const SceneOptions& options);
+/// @throws UsageError, also where the verb would write over a file that the scene names; InputError
+Scene resolve_scene(const console::Verb& verb, const SceneOptions& options);
 
 /// The picture's size, or a smaller one of its shape within these pixels.
 void limit_size(ImageSettings& image, int width, int height) noexcept;

@@ -14,9 +14,11 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/hairstyle.h"
+#include "pelage/data_schema/output_file.h"
 #include "pelage/hair/cluster_fit.h"
 #include "pelage/hair/hair_file.h"
 
@@ -32,9 +34,9 @@ struct Options {
   float opacity = 0;       // 0: the file's, or the default
 };
 
-void add_options(CLI::App& verb, Options& o) {
-  verb.add_option("input", o.input, "hair file (HAIR, TFX 4)")->required();
-  verb.add_option("-o,--output", o.output, "hairstyle file to write (JSON)")->required();
+void add_options(console::Verb& verb, Options& o) {
+  verb.add_input("input", o.input, "hair file (HAIR, TFX 4)")->required();
+  verb.add_output("-o,--output", o.output, "hairstyle file to write (JSON)")->required();
   verb.add_option("--clusters", o.fit.clusters, "clusters to fit, at most")->check(CLI::Range(1, 10000));
   verb.add_option("--coverage", o.fit.coverage, "share of the strands' length that lies inside the envelopes")
       ->check(console::finite(0.5, 1));
@@ -116,6 +118,7 @@ nlohmann::ordered_json to_json(const hair::FitReport& r, const Hairstyle& style)
 }
 
 void run(Options o) {
+  check_writable(o.output);
   hair::ReadReport file;
   const Strands strands = read(o, file);
   for (const std::string& note : file.notes) spdlog::warn("{}: {}", o.input, note);
@@ -146,10 +149,11 @@ void run(Options o) {
 }  // namespace
 
 void add_cluster(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("cluster", "Fit clusters to a hair file and write them as a hairstyle");
+  console::Verb* const verb =
+      console::add_verb(app, "cluster", "Fit clusters to a hair file and write them as a hairstyle");
   const auto options = std::make_shared<Options>();
   add_options(*verb, *options);
-  verb->callback([options] { run(*options); });
+  verb->runs([options] { run(*options); });
   console::add_common_options(*verb);
 }
 

@@ -20,6 +20,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/render/gl_context.h"
@@ -45,7 +46,7 @@ struct CompareOptions {
 };
 
 /// What the rows differ in is not for the command line, and what moves hair wants frames.
-void check_options(const CLI::App& verb) {
+void check_options(const console::Verb& verb) {
   for (const char* const option : kOfMethods)
     if (verb.count(option) > 0)
       throw UsageError(std::string(option) + ": the methods compared differ in it; choose among them with --methods");
@@ -55,7 +56,7 @@ void check_options(const CLI::App& verb) {
       throw UsageError(std::string(option) + " is for hair that moves: give --frames as well");
 }
 
-Scene compared_scene(const CLI::App& verb, const CompareOptions& o) {
+Scene compared_scene(const console::Verb& verb, const CompareOptions& o) {
   Scene scene = resolve_scene(verb, *o.scene);
   scene.simulation = resolve_simulation(verb, *o.simulation, scene);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
@@ -71,7 +72,7 @@ const std::vector<std::string> kNotOfRows{"--out",  "--methods", "--threshold", 
                                           "--size", "--samples", "--database",  "--error-scale", "--order",
                                           "--jobs", "--json",    "--progress",  "--log-level"};
 
-CompareRequest request_of(const CLI::App& verb, const CompareOptions& o) {
+CompareRequest request_of(const console::Verb& verb, const CompareOptions& o) {
   CompareRequest request;
   request.scene = compared_scene(verb, o);
   request.names_database = !request.scene.database.empty() && verb.count("--database") == 0;
@@ -106,7 +107,7 @@ void print_table(const Comparison& c) {
   }
 }
 
-void run(const CLI::App& verb, const CompareOptions& o) {
+void run(const console::Verb& verb, const CompareOptions& o) {
   check_options(verb);
   const CompareRequest request = request_of(verb, o);
   std::vector<Threshold> thresholds;
@@ -132,8 +133,9 @@ void run(const CLI::App& verb, const CompareOptions& o) {
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "compare", "Draw a scene with every method and measure each against the ray-traced truth: error, time, bytes");
+  console::Verb* const verb = console::add_verb(
+      app, "compare",
+      "Draw a scene with every method and measure each against the ray-traced truth: error, time, bytes");
   auto o = std::make_shared<CompareOptions>();
   o->scene = add_scene_options(*verb);
   for (const char* const option : kOfMethods) verb->get_option(option)->group("");  // not in --help: refused
@@ -143,8 +145,9 @@ void add_compare(CLI::App& app) {
           "Rays per pixel of the truth, half of them for its noise [64, or the "
           "scene's where that is more]");
   verb->get_option("--database")->description("Generic records for satf-generic [random sectors, baked and cached]");
-  verb->add_option("-o,--out", o->out,
-                   "Folder for index.html, comparison.json, comparison.csv and pictures; made if there is none")
+  verb->add_output_folder("-o,--out", o->out,
+                          "Folder for index.html, comparison.json, comparison.csv and pictures; made if there is none",
+                          {{R"(index\.html|comparison(-frames)?\.(csv|json)|.*\.(png|exr))", ""}})
       ->required();
   verb->add_option("--methods", o->methods, "Only these, e.g. satf-adapted,density-map; the truth is always there")
       ->delimiter(',');
@@ -160,7 +163,7 @@ void add_compare(CLI::App& app) {
   verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
   o->simulation = add_simulation_options(*verb);
   console::add_common_options(*verb);
-  verb->callback([verb, o] { run(*verb, *o); });
+  verb->runs([verb, o] { run(*verb, *o); });
 }
 
 }  // namespace pelage::app

@@ -12,6 +12,8 @@
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
+#include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/hair/hair_file.h"
 #include "pelage/hair/resample.h"
@@ -25,6 +27,7 @@ struct Options {
   std::filesystem::path input, output;
   std::string unit = "m", up = "y", curve = "polyline";
   int resample = 0;
+  bool in_place = false;
 };
 
 void print_json(const Options& options, const hair::ReadReport& read, const hair::WriteReport& written,
@@ -66,11 +69,14 @@ void print_text(const Options& options, const hair::ReadReport& read, const hair
   for (const std::string& lost : written.lost) fmt::print("lost: {}\n", lost);
 }
 
-void run(const Options& options) {
+void run(Options options) {
   hair::ReadOptions read;
   read.metres_per_unit = hair::parse_unit(options.unit);
   read.up = hair::parse_up_axis(options.up);
   read.curve = hair::parse_curve(options.curve);
+  if (options.in_place) options.output = options.input;
+  if (options.output.empty())
+    throw UsageError("output is required: name a file, or write over the input by --in-place");
   hair::check_hair_output(options.output);
   check_writable(options.output);
 
@@ -86,10 +92,15 @@ void run(const Options& options) {
 }  // namespace
 
 void add_convert(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("convert", "Write a hair file in another format, metres and Y up");
+  console::Verb* const verb = console::add_verb(app, "convert", "Write a hair file in another format, metres and Y up");
   const auto options = std::make_shared<Options>();
-  verb->add_option("input", options->input, "hair file: .hair, .tfx, .data, .ply, .obj (polylines), .usda")->required();
-  verb->add_option("output", options->output, "file to write; the extension says the format")->required();
+  verb->add_input("input", options->input, "hair file: .hair, .tfx, .data, .ply, .obj (polylines), .usda")->required();
+  CLI::Option* const output =
+      verb->add_output("output", options->output, "file to write; the extension says the format",
+                       {{}, "name another file, or write over the input by --in-place"});
+  verb->add_flag("--in-place", options->in_place,
+                 "write over the input, once all of it is read and made anew; other hard links of it stay as they were")
+      ->excludes(output);
   verb->add_option("--unit", options->unit, "of the input: m, cm, mm, in, or metres per unit (.usda says its own)")
       ->capture_default_str();
   verb->add_option("--up", options->up, "axis of the input that points up: x, y or z (.usda says its own)")
@@ -100,7 +111,7 @@ void add_convert(CLI::App& app) {
       ->check(CLI::Range(0, 65536))
       ->capture_default_str();
   console::add_common_options(*verb);
-  verb->callback([options] { run(*options); });
+  verb->runs([options] { run(*options); });
 }
 
 }  // namespace pelage::app

@@ -15,6 +15,7 @@
 #include "pelage/app/verbs.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/image/image_file.h"
@@ -134,7 +135,8 @@ const std::map<std::string, Figure>& figures() {
   return all;
 }
 
-void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptions& options, const std::string& out) {
+void draw_figure(const console::Verb& verb, const std::string& name, const SceneOptions& options,
+                 const std::string& out) {
   const auto figure = figures().find(name);
   if (figure == figures().end()) {
     throw UsageError("there is no figure '" + name +
@@ -162,8 +164,8 @@ void draw_figure(const CLI::App& verb, const std::string& name, const SceneOptio
 }  // namespace
 
 void add_figure(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "figure",
+  console::Verb* const verb = console::add_verb(
+      app, "figure",
       "Draw a figure of the papers anew: resolutions (Bertails 2005, Fig. 8), self-shadow (Fig. 7), filter (Fig. 5), "
       "lobes (Almeida 2014, Fig. 3.9), ablations and head (Xu 2006, Figs. 4 and 5, with errors against the truth); and "
       "of what `simulate` does: motion, presets");
@@ -174,9 +176,9 @@ void add_figure(CLI::App& app) {
   verb->get_option("input")->required(false)->description(
       "Scene, hairstyle or hair file; without it a groom of 10,000 or 15,000 strands");
   auto out = std::make_shared<std::string>();
-  verb->add_option("-o,--out", *out, "Picture to write: .png or .exr")->required();
+  verb->add_output("-o,--out", *out, "Picture to write: .png or .exr")->required();
   console::add_common_options(*verb);
-  verb->callback([verb, name, options, out] { draw_figure(*verb, *name, *options, *out); });
+  verb->runs([verb, name, options, out] { draw_figure(*verb, *name, *options, *out); });
 }
 
 }  // namespace pelage::app

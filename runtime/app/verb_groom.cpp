@@ -11,6 +11,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
@@ -89,17 +90,10 @@ void print_result(const Strands& strands, const Options& options) {
   }
 }
 
-/// @throws UsageError when both options name one file, whose hair the head would replace
 void check_outputs(const Options& options) {
   hair::check_hair_output(options.output);
   check_writable(options.output);
-  if (!options.on.empty() &&
-      std::filesystem::weakly_canonical(options.output) == std::filesystem::weakly_canonical(options.on))
-    throw UsageError("-o and --on name the same file: give another for the hair");
-  if (options.head_output.empty()) return;
-  check_writable(options.head_output);
-  if (std::filesystem::weakly_canonical(options.output) == std::filesystem::weakly_canonical(options.head_output))
-    throw UsageError("-o and --head-out name the same file: give another for the head");
+  if (!options.head_output.empty()) check_writable(options.head_output);
 }
 
 void write_head(const Options& options) {
@@ -132,8 +126,8 @@ void run(const CLI::App& verb, Options& options) {
 }  // namespace
 
 void add_groom(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("groom", "Grow hair on a parametric head, or on a given one, and write it as a hair file");
+  console::Verb* const verb =
+      console::add_verb(app, "groom", "Grow hair on a parametric head, or on a given one, and write it as a hair file");
   const auto options = std::make_shared<Options>();
   verb->add_option("--style", options->style, "straight, wavy, curly, bob or ponytail; with --on: grown")
       ->capture_default_str();
@@ -151,11 +145,11 @@ void add_groom(CLI::App& app) {
   verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")
       ->check(console::finite())
       ->capture_default_str();
-  verb->add_option("-o,--output", options->output, "hair file to write: .hair, .tfx, .data, .ply, .obj or .usda")
+  verb->add_output("-o,--output", options->output, "hair file to write: .hair, .tfx, .data, .ply, .obj or .usda")
       ->required();
-  verb->add_option("--head-out", options->head_output, "also write the head, as OBJ");
-  verb->add_option("--on", options->on,
-                   "grow on this head mesh instead (OBJ): strands that gravity bends, for the simulation");
+  verb->add_output("--head-out", options->head_output, "also write the head, as OBJ");
+  verb->add_input("--on", options->on,
+                  "grow on this head mesh instead (OBJ): strands that gravity bends, for the simulation");
   verb->add_option("--length-m", options->grow.length_m, "with --on: length of the strands")
       ->check(console::finite())
       ->capture_default_str();
@@ -164,7 +158,7 @@ void add_groom(CLI::App& app) {
   verb->add_option("--face", options->face, "with --on: where the face looks once Y is up: +z, -z, +x or -x")
       ->capture_default_str();
   console::add_common_options(*verb);
-  verb->callback([verb, options] { run(*verb, *options); });
+  verb->runs([verb, options] { run(*verb, *options); });
 }
 
 }  // namespace pelage::app

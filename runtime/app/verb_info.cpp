@@ -15,6 +15,7 @@
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/hairstyle.h"
 #include "pelage/hair/facts.h"
@@ -140,21 +141,21 @@ void run(const CLI::App& verb, const Options& options) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("info", "Show what a hair file, a hairstyle or a database holds, and what looks implausible");
+  console::Verb* const verb = console::add_verb(
+      app, "info", "Show what a hair file, a hairstyle or a database holds, and what looks implausible");
   const auto options = std::make_shared<Options>();
-  verb->add_option("file", options->input,
-                   "hair file (.hair, .tfx, .data, .ply, .obj, .usda), bone weights (.tfxbone), a hairstyle (.json), "
-                   "or a database (.hrir)")
+  verb->add_input("file", options->input,
+                  "hair file (.hair, .tfx, .data, .ply, .obj, .usda), bone weights (.tfxbone), a hairstyle (.json), "
+                  "or a database (.hrir)")
       ->required();
   verb->add_option("--unit", options->unit, "of the hair file: m, cm, mm, in, or metres per unit")
       ->capture_default_str();
   verb->add_option("--up", options->up, "axis of the hair file that points up: x, y or z")->capture_default_str();
   verb->add_option("--curve", options->curve, "what its vertices are: polyline or bspline")->capture_default_str();
-  verb->add_option("--against", options->against, "of a database: hairstyle (.json) whose sectors should be covered");
-  verb->add_option("-o,--output", options->picture, "of a database: draw records and coverage to this PNG or EXR file");
+  verb->add_input("--against", options->against, "of a database: hairstyle (.json) whose sectors should be covered");
+  verb->add_output("-o,--output", options->picture, "of a database: draw records and coverage to this PNG or EXR file");
   console::add_common_options(*verb);
-  verb->callback([verb, options] { run(*verb, *options); });
+  verb->runs([verb, options] { run(*verb, *options); });
 }
 
 }  // namespace pelage::app

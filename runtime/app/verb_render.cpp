@@ -14,6 +14,7 @@
 #include "pelage/app/verbs.h"
 #include "pelage/console/json_output.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/image/image_file.h"
@@ -64,7 +65,7 @@ Drawn draw(const Scene& scene) {
   return drawn;
 }
 
-Drawn draw_within(const CLI::App& verb, const Scene& scene, const Goal& goal) {
+Drawn draw_within(const console::Verb& verb, const Scene& scene, const Goal& goal) {
   ChosenPicture c =
       choose_picture(scene, goal, verb.count("--method") > 0 ? std::optional(scene.method) : std::nullopt);
   if (!c.budget.choice.met) console::set_exit_code(console::threshold);
@@ -85,7 +86,7 @@ void print(const RenderOptions& options, Drawn& drawn) {
   std::printf("%s\n", options.out.c_str());
 }
 
-void render(const CLI::App& verb, const RenderOptions& options) {
+void render(const console::Verb& verb, const RenderOptions& options) {
   const std::filesystem::path out = options.out;
   check_picture_name(out);
   check_writable(out);
@@ -105,10 +106,11 @@ void render(const CLI::App& verb, const RenderOptions& options) {
 }  // namespace
 
 void add_render(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("render", "Render a picture of a scene, a hairstyle or a hair file");
+  console::Verb* const verb =
+      console::add_verb(app, "render", "Render a picture of a scene, a hairstyle or a hair file");
   auto options = std::make_shared<RenderOptions>();
   options->scene = add_scene_options(*verb);
-  verb->add_option("-o,--out", options->out,
+  verb->add_output("-o,--out", options->out,
                    "Picture to write: .png (8-bit sRGB) or .exr (linear, with the configuration)")
       ->required();
   verb->add_flag("--stats", options->stats, "Print time, bytes and calls of each stage");
@@ -119,7 +121,7 @@ void add_render(CLI::App& app) {
   add_budget_options(*verb, options->budget, "a frame in which the hair has moved",
                      "RMSE of linear RGB against the ray-traced truth; chooses the method too, unless --method does");
   console::add_common_options(*verb);
-  verb->callback([verb, options] { render(*verb, *options); });
+  verb->runs([verb, options] { render(*verb, *options); });
 }
 
 }  // namespace pelage::app

@@ -15,6 +15,7 @@
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/bake_settings.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/db/database.h"
@@ -63,7 +64,7 @@ ShadowResult constant_mean(const ShadowTruth& truth) {
   return r;
 }
 
-void measure(const CLI::App& verb, const Options& o) {
+void measure(const console::Verb& verb, const Options& o) {
   Scene scene = resolve_scene(verb, *o.scene);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
   if (scene.lights.size() > 1) spdlog::info("the scene has {} lights; the first one is measured", scene.lights.size());
@@ -114,8 +115,9 @@ void measure(const CLI::App& verb, const Options& o) {
 }  // namespace
 
 void add_shadow_error(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "shadow-error", "Measure every shadow method against ray-traced truth at vertices of a groom, with its time");
+  console::Verb* const verb =
+      console::add_verb(app, "shadow-error",
+                        "Measure every shadow method against ray-traced truth at vertices of a groom, with its time");
   auto options = std::make_shared<Options>();
   options->scene = add_scene_options(*verb);
   verb->add_option("--resolutions", options->resolutions, "Cells along the longest side of the density map")
@@ -140,7 +142,7 @@ void add_shadow_error(CLI::App& app) {
       ->check(console::finite(0, static_cast<double>(kLargestSeed)))
       ->capture_default_str();
   console::add_common_options(*verb);
-  verb->callback([verb, options] { measure(*verb, *options); });
+  verb->runs([verb, options] { measure(*verb, *options); });
 }
 
 }  // namespace pelage::app

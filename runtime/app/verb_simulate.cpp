@@ -26,6 +26,7 @@
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/data_schema/scene_values.h"
@@ -219,7 +220,7 @@ void print_stats(const Sequence& sequence) {
   std::printf("%-22s %zu\n", "asleep at the end", last.asleep);
 }
 
-void simulate(const CLI::App& verb, const SimulateOptions& options) {
+void simulate(const console::Verb& verb, const SimulateOptions& options) {
   const bool pictures = !options.out.empty();
   if (!options.video.empty() && !pictures) throw UsageError("--video is made from pictures: give -o as well");
   if (!pictures && options.hair_out.empty() && !options.stats && !options.explain && !options.budget.goal() &&
@@ -259,12 +260,15 @@ void simulate(const CLI::App& verb, const SimulateOptions& options) {
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("simulate", "Move the hair of a scene, a hairstyle or a hair file, and draw it");
+  console::Verb* const verb =
+      console::add_verb(app, "simulate", "Move the hair of a scene, a hairstyle or a hair file, and draw it");
   auto o = std::make_shared<SimulateOptions>();
   o->scene = add_scene_options(*verb);
-  verb->add_option("-o,--out", o->out, "Folder for pictures, frame_0000.png and on; made if there is none");
-  verb->add_option("--hair-out", o->hair_out, "Folder for hair files, frame_0000.hair and on");
-  verb->add_option("--video", o->video, "Video of the pictures, e.g. hair.mp4; needs ffmpeg");
+  verb->add_output_folder("-o,--out", o->out, "Folder for pictures, frame_0000.png and on; made if there is none",
+                          {{R"(frame_\d{4,}\.png)", ""}});
+  verb->add_output_folder("--hair-out", o->hair_out, "Folder for hair files, frame_0000.hair and on",
+                          {{R"(frame_\d{4,}\.hair)", ""}});
+  verb->add_output("--video", o->video, "Video of the pictures, e.g. hair.mp4; needs ffmpeg");
   o->simulation = add_simulation_options(*verb);
   verb->add_option("--fps", o->fps, "Frames per second")->capture_default_str()->check(console::finite(1, 1000));
   verb->add_option("--seconds", o->seconds, "Length of the sequence [that of the motion, or 2]")
@@ -277,7 +281,7 @@ void add_simulate(CLI::App& app) {
       "Print the ledger: each effect of the motion, whether it runs and why, its cost, and how far hair and, "
       "with -o, the last picture are from those with it switched over (four sequences more for each)");
   console::add_common_options(*verb);
-  verb->callback([verb, o] { simulate(*verb, *o); });
+  verb->runs([verb, o] { simulate(*verb, *o); });
 }
 
 }  // namespace pelage::app

@@ -20,6 +20,7 @@
 #include "pelage/console/json_output.h"
 #include "pelage/console/options.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/data_schema/output_file.h"
 #include "pelage/render/gl_context.h"
@@ -45,7 +46,7 @@ struct TradeoffOptions {
 const std::vector<std::string> kNotOfRows{"--out",  "--only",     "--quick",     "--list", "--no-combine",
                                           "--seed", "--progress", "--log-level", "--json", "--jobs"};
 
-Scene swept_scene(const CLI::App& verb, const TradeoffOptions& o) {
+Scene swept_scene(const console::Verb& verb, const TradeoffOptions& o) {
   Scene scene = resolve_scene(verb, *o.scene);
   scene.simulation = resolve_simulation(verb, *o.simulation, scene);
   if (scene.lights.empty()) throw UsageError("the scene has no light: give one with --light");
@@ -56,7 +57,7 @@ Scene swept_scene(const CLI::App& verb, const TradeoffOptions& o) {
   return scene;
 }
 
-SweepRequest request_of(const CLI::App& verb, const TradeoffOptions& o) {
+SweepRequest request_of(const console::Verb& verb, const TradeoffOptions& o) {
   SweepRequest request;
   request.measure = {swept_scene(verb, o), o.quick, o.seed};
   request.knobs = chosen_knobs(o.only);
@@ -118,7 +119,7 @@ std::unique_ptr<HeadlessContext> context_for(const std::vector<Knob>& knobs) {
   }
 }
 
-void run(const CLI::App& verb, const TradeoffOptions& o) {
+void run(const console::Verb& verb, const TradeoffOptions& o) {
   if (o.list) {
     print_knobs();
     return;
@@ -145,17 +146,19 @@ void run(const CLI::App& verb, const TradeoffOptions& o) {
 }  // namespace
 
 void add_tradeoff(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "tradeoff",
+  console::Verb* const verb = console::add_verb(
+      app, "tradeoff",
       "Sweep every knob and show what accuracy costs in time: error against an independent truth, ms, bytes");
   auto o = std::make_shared<TradeoffOptions>();
   o->scene = add_scene_options(*verb);
   verb->get_option("input")->required(false);
   verb->get_option("--size")->description(
       "Pixels of pictures, WIDTHxHEIGHT [the scene's, within 320x240; with --quick, 200x150]");
-  verb->add_option("-o,--out", o->out,
-                   "Folder for index.html, tradeoff.json, tradeoff.csv and points; made if there is none. A sweep that "
-                   "was interrupted goes on from the points there");
+  verb->add_output_folder(
+      "-o,--out", o->out,
+      "Folder for index.html, tradeoff.json, tradeoff.csv and points; made if there is none. A sweep that "
+      "was interrupted goes on from the points there",
+      {{R"(index\.html|tradeoff\.(csv|json))", ""}, {".*", "points"}, {".*", "cache"}});
   verb->add_option("--only", o->only, "Only these knobs, e.g. density-map.cells,strands (all of strands); see --list")
       ->delimiter(',');
   verb->add_flag("--quick", o->quick, "Fewer values, smaller pictures, a coarser truth: minutes");
@@ -166,7 +169,7 @@ void add_tradeoff(CLI::App& app) {
       ->capture_default_str();
   o->simulation = add_simulation_options(*verb);
   console::add_common_options(*verb);
-  verb->callback([verb, o] { run(*verb, *o); });
+  verb->runs([verb, o] { run(*verb, *o); });
 }
 
 }  // namespace pelage::app

@@ -17,6 +17,7 @@
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/verbs.h"
 #include "pelage/console/program.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
 #include "pelage/render/window.h"
 #include "pelage/simulate/head_motion.h"
@@ -145,7 +146,7 @@ class Motion {
 };
 
 /// --motion, --preset or --wind ask for hair that moves.
-bool is_moving(const CLI::App& verb) {
+bool is_moving(const console::Verb& verb) {
   return verb.count("--motion") + verb.count("--preset") + verb.count("--wind") > 0;
 }
 
@@ -155,7 +156,7 @@ struct ViewOptions {
   int frames = 0;
 };
 
-void view(const CLI::App& verb, const ViewOptions& options) {
+void view(const console::Verb& verb, const ViewOptions& options) {
   Scene scene = resolve_scene(verb, *options.scene);
   scene.simulation = resolve_simulation(verb, *options.simulation, scene);
   if (is_moving(verb)) check_curls(scene);
@@ -195,7 +196,7 @@ void view(const CLI::App& verb, const ViewOptions& options) {
 }  // namespace
 
 void add_view(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("view", "Look at a scene, a hairstyle or a hair file in a window");
+  console::Verb* const verb = console::add_verb(app, "view", "Look at a scene, a hairstyle or a hair file in a window");
   verb->footer(
       "Mouse: drag turns, wheel dollies, right drag (or Shift) moves the first light. Keys: space turns or pauses, "
       "R resets the camera, 1 2 3 lobes, 4 self-shadow, 5 global shadow, M shadow method of strands, O drawing order, "
@@ -208,7 +209,7 @@ void add_view(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   console::add_common_options(*verb);
-  verb->callback([verb, options] { view(*verb, *options); });
+  verb->runs([verb, options] { view(*verb, *options); });
 }
 
 }  // namespace pelage::app

@@ -81,6 +81,44 @@ TEST(Convert, NamesDatabasesAndEmptyFiles) {
   }
 }
 
+TEST(Convert, InPlaceOnlyWhenAsked) {
+  const TemporaryFolder folder;
+  const std::string hair = "v 0 0 0\nv 0 10 0\nl 1 2\n";
+  folder.write("a.obj", hair);
+  const Result not_asked = run(folder, {"convert", "@a.obj", "@./a.obj", "--unit", "cm"});
+  EXPECT_EQ(not_asked.code, 2);
+  EXPECT_THAT(not_asked.err, HasSubstr("would write over the input"));
+  EXPECT_THAT(not_asked.err, HasSubstr("--in-place"));
+  EXPECT_EQ(run(folder, {"convert", "@a.obj", "@b.obj", "--in-place"}).code, 2) << "another output and in place";
+  EXPECT_THAT(run(folder, {"convert", "@a.obj"}).err, HasSubstr("output is required"));
+  EXPECT_EQ(text_of(folder / "a.obj"), hair);
+
+  std::filesystem::create_symlink("a.obj", folder / "link.obj");
+  const Result asked =
+      run(folder, {"convert", "@link.obj", "--in-place", "--unit", "cm", "--up", "z", "--resample", "3", "--json"});
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  EXPECT_EQ(nlohmann::json::parse(asked.out)["vertices"], 3);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.obj"));
+  EXPECT_THAT(text_of(folder / "a.obj"), HasSubstr("v 0 0 -0.1\n")) << "10 cm along -Z of Y-up, as metres";
+}
+
+TEST(Convert, InPlaceThatFailsLeavesTheInput) {
+  const TemporaryFolder folder;
+  folder.write("cut.ply", "ply\nformat ascii 1.0\nelement vertex 9\n");
+  EXPECT_EQ(run(folder, {"convert", "@cut.ply", "--in-place"}).code, 4);
+  EXPECT_EQ(text_of(folder / "cut.ply"), "ply\nformat ascii 1.0\nelement vertex 9\n");
+  ASSERT_EQ(run(folder, {"groom", "--strands", "20", "-o", "@a.obj"}).code, 0);
+  const std::string before = text_of(folder / "a.obj");
+  // 64 blocks are less than the strands want.
+  const Result full = Child(folder,
+                            {"-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" convert \"$1\" --in-place --resample 5000",
+                             PELAGE_PROGRAM, "@a.obj"},
+                            {}, "/bin/sh")
+                          .wait();
+  EXPECT_EQ(full.code, 1) << full.err;
+  EXPECT_EQ(text_of(folder / "a.obj"), before);
+}
+
 TEST(Convert, MoreVerticesThanCanBeCountedAreRefused) {
   const TemporaryFolder folder;
   ASSERT_EQ(run(folder, {"groom", "--strands", "70000", "--vertices", "4", "-o", "@a.data"}).code, 0);

@@ -3,50 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <map>
-#include <regex>
-#include <sstream>
 
+#include "help.h"
 #include "in_process.h"
 
 namespace pelage::test {
 namespace {
 
 using Words = std::vector<std::string>;
-
-struct Option {
-  std::string name;   // "--size"; of a positional "input"
-  std::string kind;   // "FLOAT", "INT", "UINT", "TEXT"
-  std::string about;  // from the kind to the next option
-  bool required = false, positional = false;
-};
-
-/// Of the lines that begin with two spaces and a name: `  -o,--out TEXT REQUIRED  Picture ...`.
-std::vector<Option> options_in(const std::string& help) {
-  static const std::regex line(R"(^  (-\w,)?((--)?[a-z][a-z-]*) (FLOAT|INT|UINT|TEXT)(.*)$)");
-  std::vector<Option> options;
-  std::istringstream in(help);
-  for (std::string text; std::getline(in, text);) {
-    std::smatch m;
-    if (std::regex_match(text, m, line)) {
-      const bool required = m[5].str().find("REQUIRED") != std::string::npos;
-      options.push_back({m[2], m[4], m[5], required, !m[3].matched});
-    } else if (!options.empty()) {
-      options.back().about += " " + text;
-    }
-  }
-  return options;
-}
-
-/// The verbs that `program --help` lists.
-Words verbs_of(const Program& program, const TemporaryFolder& folder) {
-  const std::string help = run_here(program, folder, {"--help"}).out;
-  std::istringstream in(help.substr(std::min(help.find("\nSubcommands:"), help.size())));
-  static const std::regex line(R"(^  ([a-z][a-z-]*)( .*)?$)");
-  Words verbs;
-  for (std::string text; std::getline(in, text);)
-    if (std::smatch m; std::regex_match(text, m, line)) verbs.push_back(m[1]);
-  return verbs;
-}
 
 /// What is no number where one belongs; empty where none does.
 Words bad_values(const Option& o) {
@@ -79,7 +43,7 @@ TEST_P(Numbers, NoneIsNanOrInfinite) {
   ASSERT_GE(verbs.size(), 5U);
   int numbers = 0;
   for (const std::string& verb : verbs) {
-    const std::vector<Option> options = options_in(run_here(GetParam(), folder, {verb, "--help"}).out);
+    const std::vector<Option> options = options_of(GetParam(), folder, verb);
     EXPECT_GE(options.size(), 4U) << verb << ": its help is read";
     for (const Option& o : options) {
       if (o.positional) continue;

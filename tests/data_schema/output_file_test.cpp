@@ -1,4 +1,4 @@
-// Hard case 32: an output path that is missing, not writable or a folder; an interrupted writer.
+// Hard cases 32 and 34: an output path that is missing, not writable, a folder or an input; an interrupted writer.
 #include "pelage/data_schema/output_file.h"
 
 #include <gmock/gmock.h>
@@ -38,6 +38,26 @@ TEST(OutputFile, ReadOnlyFileAndFolderAreRefused) {
   chmod((folder / "").c_str(), 0555);
   EXPECT_THAT(message_of<OutputError>([&] { check_writable(folder / "new"); }), HasSubstr("folder is not writable"));
   chmod((folder / "").c_str(), 0755);
+}
+
+TEST(OutputFile, OverAnInputIsRefusedWithBothSpellings) {
+  const test::TemporaryFolder folder;
+  const fs::path in = folder.write("in.json", "x"), out = folder / "out.json", here = folder / ".";
+  const auto message = [&](const Output& output, const fs::path& input) {
+    return message_of<UsageError>([&] { check_apart(std::vector{output}, std::vector<NamedFile>{{"--head", input}}); });
+  };
+  const std::string nothing = "nothing was thrown";
+  EXPECT_EQ(message({"-o", in, ""}, here / "in.json"),
+            in.string() + ": -o would write over --head (" + (here / "in.json").string() + "): name another file");
+  EXPECT_EQ(message({"-o", in, ""}, in), in.string() + ": -o would write over --head: name another file");
+  EXPECT_EQ(message({"-o", out, ""}, in), nothing);
+  EXPECT_EQ(message({"-o", out, ""}, out), nothing) << "its reader says that it is not there";
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_EQ(message({"-o", folder / "loop", ""}, in), nothing) << "check_writable says so";
+  EXPECT_EQ(message({"-o", out, ""}, folder / "loop"), nothing);
+  EXPECT_THAT(message({"-o", here, R"(i\w\.json)"}, in), HasSubstr("/in.json: -o would write over --head"));
+  EXPECT_EQ(message({"-o", here, R"(i\w)"}, in), nothing) << "another name";
+  EXPECT_EQ(message({"-o", out, ".*"}, in), nothing) << "another folder";
 }
 
 TEST(OutputFile, FileAppearsWholeOnCommit) {

@@ -26,14 +26,21 @@ class Check(unittest.TestCase):
         self.assertEqual([], list(hard_cases.faults_of_build(self.cases, self.tests)))
 
     def test_a_case_without_sub_case_or_test(self):
-        for number in range(32):
+        for place, case in enumerate(self.cases):
             without = copy.deepcopy(self.cases)
-            without[number]["sub_cases"] = []
-            self.assertEqual([f"case {number + 1} has no sub-case"], list(hard_cases.faults_of_manifest(without)))
+            without[place]["sub_cases"] = []
+            self.assertEqual([f"case {case['case']} has no sub-case"], list(hard_cases.faults_of_manifest(without)))
         del self.cases[4]
         self.assertIn("case 5 is there 0 times", list(hard_cases.faults_of_manifest(self.cases)))
         self.cases[0]["sub_cases"][0]["tests"] = []
         self.assertIn("has no test", " ".join(hard_cases.faults_of_manifest(self.cases)))
+
+    def test_a_case_found_since_may_be_missing_but_not_twice(self):
+        last = self.cases[-1]
+        self.assertGreater(last["case"], hard_cases.CASES)
+        self.assertEqual([], list(hard_cases.faults_of_manifest(self.cases[:-1])))
+        twice = self.cases + [last]
+        self.assertEqual([f"case {last['case']} is there 2 times"], list(hard_cases.faults_of_manifest(twice)))
 
     def test_a_name_that_is_no_test(self):
         for name in ["DensityMapThreads.GiveTheSameBits", "Simulation/TipsDoNotFly.a"]:
