@@ -50,8 +50,9 @@ struct Shape {
   std::uint32_t locks = 220;
   float gather = 0.55F;  // of a lock's strands towards its tip
   float wave_m = 0.0F, wavelength_m = 0.1F;
-  float roundness = 0.0F;  // 0: waves in a plane, 1: helices
-  float turn_in = 0.0F;    // of the tips, bob
+  float roundness = 0.0F;    // 0: waves in a plane, 1: helices
+  float flat_on_top = 0.0F;  // share of the waves that the top of the head lacks, where they would stand up
+  float turn_in = 0.0F;      // of the tips, bob
   bool fringe = false;
   bool waves_by_height = false;  // waves of neighbours lie side by side, instead of along each strand by itself
   float frizz_m = 0.0015F;
@@ -68,7 +69,7 @@ Shape shape_of(GroomStyle style) {
       s.wave_m = 0.002F;
       break;
     case GroomStyle::wavy:
-      s = {.cut_m = -0.19F,
+      s = {.cut_m = -0.215F,
            .cut_spread_m = 0.04F,
            .layers_m = 0.05F,
            .frame_m = 0.04F,
@@ -80,6 +81,7 @@ Shape shape_of(GroomStyle style) {
            .wave_m = 0.0105F,
            .wavelength_m = 0.068F,
            .roundness = 0.3F,
+           .flat_on_top = 0.6F,
            .waves_by_height = true,
            .frizz_m = 0.002F};
       break;
@@ -98,6 +100,7 @@ Shape shape_of(GroomStyle style) {
            .wave_m = 0.0085F,
            .wavelength_m = 0.030F,
            .roundness = 1.0F,
+           .flat_on_top = 0.25F,
            .frizz_m = 0.0025F};
       break;
     case GroomStyle::bob:
@@ -410,7 +413,9 @@ class Groomer {
       const vec3 tangent = unit_or(centre[std::min(k + 1, path.size() - 1)] - centre[k - 1], kDown);
       const vec3 out = outwards(centre[k], tangent);
       const vec3 side = glm::cross(tangent, out);
-      const float grown = smooth_step(0.010F, 0.080F, s) * (0.65F + 0.35F * s / length_m);
+      const float on_top = smooth_step(0.050F, 0.105F, centre[k].y);
+      const float grown =
+          smooth_step(0.010F, 0.080F, s) * (0.65F + 0.35F * s / length_m) * (1.0F - shape_.flat_on_top * on_top);
       const float travelled_m = shape_.waves_by_height ? 0.1F - centre[k].y : s;
       const float phase = travelled_m / wavelength_m + lock.phase + 0.07F * (w[0] - 0.5F);
       const float flat = shape_.wave_m * grown * sin_turns(phase), round = shape_.wave_m * grown * cos_turns(phase);
