@@ -142,7 +142,7 @@ void add_groom(CLI::App& app) {
   verb->add_option("--length-scale", options->settings.length_scale, "longer or shorter hair, 0.2 to 3")
       ->check(console::finite())
       ->capture_default_str();
-  verb->add_option("--head-height", options->settings.head.height_m, "crown to neck, metres")
+  verb->add_option("--head-height", options->settings.head.height_m, "crown to the middle of the neck, metres")
       ->check(console::finite())
       ->capture_default_str();
   verb->add_output("-o,--output", options->output, "hair file to write: .hair, .tfx, .data, .ply, .obj or .usda")

@@ -24,12 +24,23 @@ constexpr HeadParameters kModelHead{};
 constexpr float kStep_m = 0.0025F;
 constexpr float kClearance_m = 0.0006F;  // of a strand from the scalp once it has left its root
 constexpr vec3 kDown{0, -1, 0};
-constexpr std::uint32_t kStrandStream = 11, kDetailStream = 12, kLockStream = 13, kTailStream = 14;
+constexpr float kFlyaways = 0.01F;  // share of the strands that no lock holds
+constexpr std::uint32_t kStrandStream = 11, kDetailStream = 12, kLockStream = 13, kTailStream = 14, kEdgeStream = 15;
+
+// A strand keeps its diameter over the first part of its length; the last narrows to a point.
+constexpr float kTaperFrom = 0.6F, kTipShare = 0.25F;
+
+// Baby hairs: short and fine, among the others along the hairline. Widths of the hairline as sines of an elevation.
+constexpr float kBabyEdge = 0.09F, kBabyShare = 0.4F, kBabyDiameter = 0.6F;
+constexpr float kShortest_m = 0.010F, kLongest_m = 0.034F;
+constexpr float kFlatEdge = 0.40F;  // over which hair gains the volume that it has on top
 
 /// What makes a style. Curves in metres of the model head.
 struct Shape {
   float cut_m = -0.22F;        // height at which the hair is cut
   float cut_spread_m = 0.03F;  // variation of it
+  float layers_m = 0.0F;       // by which hair from the crown ends above hair from the nape
+  float frame_m = 0.0F;        // by which hair beside the face ends above hair from the nape
   float max_length_m = 0.42F;
   float parting_m = 0.0F;   // x of the parting
   float sweep_back = 0.5F;  // of the hair around the face
@@ -39,8 +50,9 @@ struct Shape {
   std::uint32_t locks = 220;
   float gather = 0.55F;  // of a lock's strands towards its tip
   float wave_m = 0.0F, wavelength_m = 0.1F;
-  float roundness = 0.0F;  // 0: waves in a plane, 1: helices
-  float turn_in = 0.0F;    // of the tips, bob
+  float roundness = 0.0F;    // 0: waves in a plane, 1: helices
+  float flat_on_top = 0.0F;  // share of the waves that the top of the head lacks, where they would stand up
+  float turn_in = 0.0F;      // of the tips, bob
   bool fringe = false;
   bool waves_by_height = false;  // waves of neighbours lie side by side, instead of along each strand by itself
   float frizz_m = 0.0015F;
@@ -50,11 +62,17 @@ Shape shape_of(GroomStyle style) {
   Shape s;
   switch (style) {
     case GroomStyle::straight:
+      s.cut_m = -0.235F;
+      s.cut_spread_m = 0.02F;
+      s.layers_m = 0.025F;
+      s.frame_m = 0.05F;
       s.wave_m = 0.002F;
       break;
     case GroomStyle::wavy:
-      s = {.cut_m = -0.19F,
-           .cut_spread_m = 0.05F,
+      s = {.cut_m = -0.215F,
+           .cut_spread_m = 0.04F,
+           .layers_m = 0.05F,
+           .frame_m = 0.04F,
            .parting_m = 0.022F,
            .volume_m = 0.018F,
            .hug = 0.15F,
@@ -63,12 +81,15 @@ Shape shape_of(GroomStyle style) {
            .wave_m = 0.0105F,
            .wavelength_m = 0.068F,
            .roundness = 0.3F,
+           .flat_on_top = 0.6F,
            .waves_by_height = true,
            .frizz_m = 0.002F};
       break;
     case GroomStyle::curly:
       s = {.cut_m = -0.14F,
            .cut_spread_m = 0.04F,
+           .layers_m = 0.04F,
+           .frame_m = 0.02F,
            .max_length_m = 0.235F,
            .parting_m = 0.018F,
            .lift = 0.6F,
@@ -79,13 +100,14 @@ Shape shape_of(GroomStyle style) {
            .wave_m = 0.0085F,
            .wavelength_m = 0.030F,
            .roundness = 1.0F,
+           .flat_on_top = 0.25F,
            .frizz_m = 0.0025F};
       break;
     case GroomStyle::bob:
       s = {.cut_m = -0.076F,
            .cut_spread_m = 0.008F,
-           .sweep_back = -0.6F,
-           .volume_m = 0.017F,
+           .sweep_back = -1.0F,
+           .volume_m = 0.014F,
            .hug = 0.1F,
            .locks = 200,
            .gather = 0.4F,
@@ -94,7 +116,7 @@ Shape shape_of(GroomStyle style) {
            .frizz_m = 0.001F};
       break;
     case GroomStyle::ponytail:
-      s = {.max_length_m = 0.27F,
+      s = {.max_length_m = 0.30F,
            .volume_m = 0.005F,
            .locks = 60,
            .gather = 0.6F,
@@ -152,6 +174,8 @@ struct StrandPlan {
   Root root;
   Individual self;
   bool fringe;
+  vec3 comb;
+  float cut_m, most_m;  // it ends below this height, or at this length
 };
 
 class Groomer {
@@ -169,17 +193,25 @@ class Groomer {
     const auto vertices = static_cast<std::uint32_t>(vertices_per_strand());
     Strands strands;
     strands.vertices.resize(std::size_t{vertices} * roots.size());
+    strands.diameters_m.resize(strands.vertices.size());
     for (std::uint32_t i = 1; i <= roots.size(); ++i) strands.offsets.push_back(i * vertices);
     tbb::parallel_for(std::uint32_t{0}, settings_.strands, [&](std::uint32_t i) {
       Path path = resample_polyline(strand(roots[i], i), static_cast<int>(vertices));
       for (std::size_t k = 1; k < path.size(); ++k) path[k] = clear(path[k], 0.5F * kClearance_m);
       const float scale = settings_.head.height_m / kModelHead.height_m;
-      for (std::uint32_t k = 0; k < vertices; ++k) strands.vertices[std::size_t{i} * vertices + k] = scale * path[k];
+      const float diameter_m = default_diameter_m(settings_.strands) * (is_baby(roots[i], i) ? kBabyDiameter : 1.0F);
+      for (std::uint32_t k = 0; k < vertices; ++k) {
+        const float along = static_cast<float>(k) / static_cast<float>(vertices - 1);
+        strands.vertices[std::size_t{i} * vertices + k] = scale * path[k];
+        strands.diameters_m[std::size_t{i} * vertices + k] = diameter_m * taper(along);
+      }
     });
     return strands;
   }
 
  private:
+  static float taper(float along) { return 1.0F - (1.0F - kTipShare) * smooth_step(kTaperFrom, 1.0F, along); }
+
   int vertices_per_strand() const {
     if (settings_.vertices > 0) return settings_.vertices;
     return settings_.style == GroomStyle::curly ? 64 : 32;
@@ -190,34 +222,64 @@ class Groomer {
     const float phase_range = shape_.waves_by_height ? 0.4F : 1.0F;
     for (std::uint32_t i = 0; i < roots.size(); ++i) {
       const std::array<float, 4> u = random_.uniform(kLockStream, i);
-      locks_.push_back({roots[i], {}, u[0] * phase_range, 1.0F + 0.3F * phase_range * (u[1] - 0.5F), u[2]});
-      if (settings_.style != GroomStyle::ponytail) locks_.back().path = grow(plan(roots[i], 0.5F, 2 * u[3] - 1));
+      const float length = 2 * u[3] - 1;
+      locks_.push_back({roots[i], {}, u[0] * phase_range, 1.0F + 0.3F * phase_range * (u[1] - 0.5F), u[2], length});
+      if (settings_.style != GroomStyle::ponytail)
+        locks_.back().path = grow(plan(roots[i], 0.5F, 0.5F * length - 0.4F));
     }
     if (settings_.style == GroomStyle::ponytail) tail_ = grow_tail();
   }
 
+  // Where and how a strand is cut ---------------------------------------------------------------------------------
+
+  /// How far inside the hairline a root lies, as the sine of an elevation.
+  static float inside_hairline(const Root& root) {
+    const vec3 d = glm::normalize(root.position_m - skull_centre_m(kModelHead));
+    return d.y - hairline_sine(d);
+  }
+
+  bool is_baby(const Root& root, std::uint32_t i) const {
+    const float at_edge = 1.0F - smooth_step(0.0F, kBabyEdge, inside_hairline(root));
+    return random_.uniform(kEdgeStream, i)[0] < kBabyShare * at_edge;
+  }
+
   StrandPlan plan(const Root& root, float layer, float length) const {
-    const bool fringe = shape_.fringe && root.position_m.z > 0.030F && std::abs(root.position_m.x) < 0.057F;
-    // Hair from higher up lies over hair from lower down.
+    const bool fringe = shape_.fringe && root.position_m.z > 0.026F && std::abs(root.position_m.x) < 0.062F;
+    // Hair from higher up lies over hair from lower down, and hair at the hairline under both.
     const float height = smooth_step(-0.05F, 0.115F, root.position_m.y);
-    return {root, {(fringe ? 0.35F : 1.0F) * (0.45F * layer + 0.55F * height), length}, fringe};
+    const float flat = 0.4F + 0.6F * smooth_step(0.0F, kFlatEdge, inside_hairline(root));
+    const Individual self{(fringe ? 0.35F : flat) * (0.45F * layer + 0.55F * height), length};
+    StrandPlan plan{root, self, fringe, comb_direction(shape_, root), 0, shape_.max_length_m * (1.0F + 0.15F * length)};
+    if (fringe) {
+      plan.comb = unit_or(without({6 * root.position_m.x, 0, 1}, root.normal), kDown);
+      plan.cut_m = 0.025F - 6.0F * root.position_m.x * root.position_m.x + 0.004F * length;
+    } else {
+      const float beside_face = smooth_step(0.0F, 0.06F, root.position_m.z);
+      plan.cut_m =
+          shape_.cut_m + shape_.cut_spread_m * length + shape_.layers_m * height + shape_.frame_m * beside_face;
+    }
+    return plan;
+  }
+
+  StrandPlan baby_plan(const Root& root, const std::array<float, 4>& u) const {
+    StrandPlan baby = plan(root, 0.3F * u[0], 0);
+    baby.fringe = false;
+    baby.cut_m = -1.0F;
+    baby.most_m = kShortest_m + (kLongest_m - kShortest_m) * u[1];
+    if (settings_.style == GroomStyle::ponytail)
+      baby.comb = unit_or(without(tie_m() - root.position_m, root.normal), kDown);
+    return baby;
   }
 
   // A strand on its own ---------------------------------------------------------------------------------------------
 
   Path grow(const StrandPlan& plan) const {
-    const float cut_m =
-        plan.fringe ? 0.025F - 6.0F * plan.root.position_m.x * plan.root.position_m.x + 0.004F * plan.self.length
-                    : shape_.cut_m + shape_.cut_spread_m * plan.self.length;
-    const vec3 comb = plan.fringe ? unit_or(without({6 * plan.root.position_m.x, 0, 1}, plan.root.normal), kDown)
-                                  : comb_direction(shape_, plan.root);
     Path path{plan.root.position_m};
-    vec3 direction = glm::normalize(comb + (plan.fringe ? 0.3F : shape_.lift) * plan.root.normal);
-    const float most_m = shape_.max_length_m * (1.0F + 0.15F * plan.self.length);
-    for (float s = 0; s < most_m; s += kStep_m) {
+    vec3 direction = glm::normalize(plan.comb + (plan.fringe ? 0.3F : shape_.lift) * plan.root.normal);
+    for (float s = 0; s < plan.most_m; s += kStep_m) {
       const vec3 p = path.back();
-      if (p.y < cut_m && path.size() > 8) break;
-      direction = turn(plan, p, direction, comb, cut_m, s);
+      if (p.y < plan.cut_m && path.size() > 8) break;
+      direction = turn(plan, p, direction, s);
       path.push_back(push_out(p + kStep_m * direction, plan, s));
     }
     return path;
@@ -226,19 +288,31 @@ class Groomer {
   /// Distance from the scalp that a strand keeps at arc length s.
   float shell_m(const Individual& self, float s) const {
     return kClearance_m * smooth_step(0.0F, 0.004F, s) +
-           shape_.volume_m * self.layer * smooth_step(0.0F, 0.015F + 1.2F * shape_.volume_m, s);
+           shape_.volume_m * self.layer * smooth_step(0.0F, 0.030F + 1.8F * shape_.volume_m, s);
   }
 
-  vec3 turn(const StrandPlan& plan, vec3 p, vec3 direction, vec3 comb, float cut_m, float s) const {
+  /// Hair falls before or behind the shoulders, not outwards along them.
+  vec3 off_shoulders(vec3 p) const {
+    constexpr float kRidge_m = -0.036F;  // z of the shoulders' ridge
+    const float near = smooth_step(-0.060F, -0.115F, p.y);
+    const float away_m = p.z - kRidge_m;
+    const float ahead =
+        std::clamp(away_m / 0.003F, -1.0F, 1.0F) * (1.0F - smooth_step(0.020F, 0.055F, std::abs(away_m)));
+    const float aside = std::clamp(p.x / 0.01F, -1.0F, 1.0F) * smooth_step(0.060F, 0.100F, std::abs(p.x));
+    return near * vec3(-0.7F * aside, 0, 1.2F * ahead);
+  }
+
+  vec3 turn(const StrandPlan& plan, vec3 p, vec3 direction, float s) const {
     constexpr float kStiffness_m = 0.014F, kCombed_m = 0.085F, kReach_m = 0.018F;
     const HeadField::Sample at = field_.sample(p);
     const vec3 normal = unit_or(at.gradient, {0, 1, 0});
     const float above_m = at.distance_m - shell_m(plan.self, s);
     const float touch = 1.0F - smooth_step(0.0F, kReach_m, above_m);
     const vec3 inward = unit_or({-p.x, 0, -0.025F - p.z}, {0, 0, 0});
-    vec3 pull = kDown + (1.0F - smooth_step(0.3F * kCombed_m, kCombed_m, s)) * without(comb, normal);
+    vec3 pull =
+        kDown + off_shoulders(p) + (1.0F - smooth_step(0.3F * kCombed_m, kCombed_m, s)) * without(plan.comb, normal);
     pull += shape_.hug * (1.0F - touch) * inward;
-    pull += shape_.turn_in * smooth_step(cut_m + 0.045F, cut_m, p.y) * 1.3F * inward;
+    pull += shape_.turn_in * smooth_step(plan.cut_m + 0.045F, plan.cut_m, p.y) * 1.3F * inward;
     pull -= touch * std::min(glm::dot(pull, normal), 0.0F) * normal;             // the head carries it
     pull -= std::clamp(above_m / 0.010F, -1.0F, 0.6F * touch) * touch * normal;  // and it lies on the layer below
     if (!plan.fringe) {
@@ -268,7 +342,7 @@ class Groomer {
   struct Lock {
     Root root;
     Path path;
-    float phase, wave_scale, plane;
+    float phase, wave_scale, plane, length;
   };
 
   /// The nearest lock on the same side of the parting.
@@ -286,17 +360,24 @@ class Groomer {
     const std::array<float, 4> u = random_.uniform(kStrandStream, i);
     const Lock& lock = lock_of(root);
     Path path;
-    if (settings_.style == GroomStyle::ponytail) {
+    if (is_baby(root, i)) {
+      path = grow(baby_plan(root, random_.uniform(kTailStream, i)));
+    } else if (settings_.style == GroomStyle::ponytail) {
       path = comb_to_tie(root, lock, u, i);
     } else {
-      path = grow(plan(root, u[0], u[1] + u[2] - 1.0F));
+      path = grow(plan(root, flies_away(u[3]) ? 1.3F : u[0], length_in(lock, u)));
       gather(path, lock, u[3]);
     }
     style(path, lock, i, u[3]);
     return path;
   }
 
-  static bool flies_away(float u) { return u < 0.01F; }
+  static bool flies_away(float u) { return u < kFlyaways; }
+
+  /// Locks differ in length, and within one a few strands end early, so that it thins out towards its tip.
+  static float length_in(const Lock& lock, const std::array<float, 4>& u) {
+    return 0.5F * lock.length + 1.6F * u[1] * u[1] * u[2] - 0.4F;
+  }
 
   void gather(Path& path, const Lock& lock, float u) const {
     if (flies_away(u)) return;
@@ -312,6 +393,14 @@ class Groomer {
     }
   }
 
+  /// Away from the axis of the head, and from what the hair lies on; across `tangent`.
+  vec3 outwards(vec3 p, vec3 tangent) const {
+    const HeadField::Sample at = field_.sample(p);
+    const vec3 radial = unit_or(without(p - vec3(0, 0, -0.012F), {0, 1, 0}), {0, 0, 1});
+    const float lies = smooth_step(-0.09F, -0.15F, p.y) * (1.0F - smooth_step(0.01F, 0.04F, at.distance_m));
+    return unit_or(without(radial + vec3(0, 0.3F, 0) + 2.0F * lies * at.gradient, tangent), {0, 0, 1});
+  }
+
   /// Waves or curls of the lock and the strand's own irregularity; then everything is outside of the head again.
   void style(Path& path, const Lock& lock, std::uint32_t i, float u) const {
     const std::array<float, 4> w = random_.uniform(kDetailStream, i);
@@ -322,10 +411,11 @@ class Groomer {
     for (std::size_t k = 1; k < path.size(); ++k) {
       const float s = kStep_m * static_cast<float>(k);
       const vec3 tangent = unit_or(centre[std::min(k + 1, path.size() - 1)] - centre[k - 1], kDown);
-      const vec3 radial = without(centre[k] - vec3(0, 0, -0.012F), {0, 1, 0});
-      const vec3 out = unit_or(without(unit_or(radial, {0, 0, 1}) + vec3(0, 0.3F, 0), tangent), {0, 0, 1});
+      const vec3 out = outwards(centre[k], tangent);
       const vec3 side = glm::cross(tangent, out);
-      const float grown = smooth_step(0.010F, 0.080F, s) * (0.65F + 0.35F * s / length_m);
+      const float on_top = smooth_step(0.050F, 0.105F, centre[k].y);
+      const float grown =
+          smooth_step(0.010F, 0.080F, s) * (0.65F + 0.35F * s / length_m) * (1.0F - shape_.flat_on_top * on_top);
       const float travelled_m = shape_.waves_by_height ? 0.1F - centre[k].y : s;
       const float phase = travelled_m / wavelength_m + lock.phase + 0.07F * (w[0] - 0.5F);
       const float flat = shape_.wave_m * grown * sin_turns(phase), round = shape_.wave_m * grown * cos_turns(phase);
@@ -358,10 +448,10 @@ class Groomer {
   /// Centre of the tail: up and away from the tie, then hanging.
   Path grow_tail() const {
     Path path{tie_m()};
-    vec3 direction = glm::normalize(vec3(0, 0.45F, -1));
+    vec3 direction = glm::normalize(vec3(0, 0.30F, -1));
     for (float s = 0; s < 1.2F * shape_.max_length_m; s += kStep_m) {
       direction =
-          glm::normalize(direction + (kStep_m / 0.035F) * (kDown + vec3(0, 0, 0.06F * smooth_step(0.03F, 0.1F, s))));
+          glm::normalize(direction + (kStep_m / 0.024F) * (kDown + vec3(0, 0, 0.06F * smooth_step(0.03F, 0.1F, s))));
       path.push_back(clear(path.back() + kStep_m * direction, 0.018F * smooth_step(0.0F, 0.05F, s)));
     }
     return path;

@@ -1,8 +1,10 @@
 // Procedural grooms on the parametric head: the demo's hair, and hair for tests without anybody's files.
 //
 // Every strand grows from its root in small steps: combed away from a parting, then bent by gravity, always outside the
-// head; strands of a lock are drawn together towards their tips and share waves and curls. The ponytail is combed to a
-// tie. The result depends on the settings only: not on threads, nor on the CPU.
+// head; long hair falls before and behind the shoulders. Strands of a lock are drawn together towards their tips and
+// share waves and curls. Hair is cut in layers; one strand in a hundred flies away from its lock, and short fine hair
+// softens the hairline. Strands narrow towards their tips. The ponytail is combed to a tie. The result depends on the
+// settings only: not on threads, nor on the CPU.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +29,7 @@ struct GroomSettings {
 /// "straight", "wavy", "curly", "bob", "ponytail". @throws UsageError
 GroomStyle parse_groom_style(std::string_view name);
 
+/// With a diameter for each vertex: the default for their number, and what tapers of it.
 /// @throws UsageError for settings out of range
 Strands groom(const GroomSettings& settings);
 

@@ -1,5 +1,7 @@
 #include "pelage/hair/head.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -14,7 +16,7 @@ namespace {
 using glm::vec3;
 
 constexpr float kModelHeight_m = 0.24F;  // of the head as it is described below
-constexpr vec3 kBoxMin_m{-0.105F, -0.140F, -0.125F}, kBoxMax_m{0.105F, 0.130F, 0.125F};
+constexpr vec3 kBoxMin_m{-0.210F, -0.355F, -0.145F}, kBoxMax_m{0.210F, 0.130F, 0.125F};
 constexpr float kMeshCell_m = 0.0044F;  // at which surface nets give a manifold (some others pinch behind the ears)
 constexpr float kFieldCell_m = 0.004F;
 constexpr int kProjections = 4;  // Newton steps from the surface nets onto the surface
@@ -42,44 +44,67 @@ float carve(float a, float b, float k) {
   return -join(-a, b, k);
 }
 
-float skull(vec3 p) {
-  float d = ellipsoid(p, {0, 0.032F, -0.014F}, {0.0735F, 0.084F, 0.091F});
-  d = join(d, ellipsoid(p, {0, 0.040F, 0.028F}, {0.058F, 0.052F, 0.053F}), 0.03F);                          // forehead
-  d = join(d, ellipsoid(p, {0, -0.020F, 0.026F}, {0.055F, 0.067F, 0.054F}), 0.04F);                         // face
-  d = join(d, round_cone(p, {0.043F, -0.034F, 0.000F}, 0.015F, {0.010F, -0.076F, 0.056F}, 0.014F), 0.04F);  // jaw
-  return join(d, ellipsoid(p, {0, -0.078F, 0.064F}, {0.018F, 0.014F, 0.016F}), 0.02F);                      // chin
+/// |x| with the crease between the halves rounded over about a.
+vec3 mirrored(vec3 p, float a) {
+  return {std::sqrt(p.x * p.x + a * a), p.y, p.z};
 }
 
-float features(float d, vec3 p) {
-  d = join(d, ellipsoid(p, {0.043F, -0.012F, 0.050F}, {0.018F, 0.014F, 0.024F}), 0.025F);            // cheekbones
-  d = join(d, ellipsoid(p, {0.026F, 0.024F, 0.066F}, {0.026F, 0.008F, 0.014F}), 0.018F);             // brow
-  d = carve(d, ellipsoid(p, {0.030F, 0.007F, 0.092F}, {0.017F, 0.011F, 0.020F}), 0.014F);            // sockets
-  d = join(d, ellipsoid(p, {0.030F, 0.006F, 0.063F}, {0.0155F, 0.0125F, 0.0130F}), 0.004F);          // lids
-  d = join(d, round_cone(p, {0, 0.016F, 0.077F}, 0.0055F, {0, -0.021F, 0.0975F}, 0.0085F), 0.011F);  // nose
-  d = join(d, ellipsoid(p, {0.0090F, -0.0245F, 0.089F}, {0.0065F, 0.0060F, 0.009F}), 0.006F);        // nostrils
-  d = join(d, ellipsoid(p, {0.005F, -0.0465F, 0.0790F}, {0.015F, 0.0045F, 0.0070F}), 0.008F);        // upper lip
-  return join(d, ellipsoid(p, {0, -0.0555F, 0.0780F}, {0.016F, 0.0055F, 0.0070F}), 0.006F);          // lower lip
+/// Cranium and forehead, a face that narrows to the chin.
+float skull(vec3 p) {
+  const vec3 q = mirrored(p, 0.012F);
+  float d = ellipsoid(p, {0, 0.032F, -0.014F}, {0.0735F, 0.084F, 0.091F});
+  d = join(d, ellipsoid(p, {0, 0.036F, 0.026F}, {0.058F, 0.056F, 0.055F}), 0.03F);                          // forehead
+  d = join(d, ellipsoid(p, {0, -0.021F, 0.022F}, {0.054F, 0.072F, 0.054F}), 0.05F);                         // face
+  d = join(d, round_cone(q, {0.036F, -0.034F, 0.002F}, 0.017F, {0.009F, -0.078F, 0.050F}, 0.014F), 0.05F);  // jaw
+  return join(d, ellipsoid(p, {0, -0.081F, 0.057F}, {0.014F, 0.012F, 0.015F}), 0.03F);                      // chin
+}
+
+/// Wide fillets only: planes that catch the light where a face would be, and no eyes, nostrils or lips.
+float hinted_face(float d, vec3 p) {
+  const vec3 q = mirrored(p, 0.010F);
+  d = join(d, ellipsoid(q, {0.027F, -0.020F, 0.046F}, {0.023F, 0.030F, 0.027F}), 0.03F);             // cheeks
+  d = carve(d, ellipsoid(p, {0.030F, 0.006F, 0.1105F}, {0.029F, 0.015F, 0.028F}), 0.035F);           // under the brow
+  d = join(d, round_cone(p, {0, 0.024F, 0.070F}, 0.0075F, {0, -0.015F, 0.0895F}, 0.0085F), 0.020F);  // nose
+  return join(d, ellipsoid(p, {0, -0.048F, 0.0665F}, {0.017F, 0.011F, 0.0105F}), 0.025F);            // mouth
 }
 
 float ear(vec3 p) {
   const vec3 q = p - vec3(0.0740F, -0.002F, -0.010F);
   const vec3 t{q.x - 0.10F * (q.y - 0.3F * q.z) + 0.25F * q.z, q.y + 0.25F * q.z,
                q.z - 0.25F * q.y};  // leans back and out
-  const float shell = ellipsoid(t, {0, 0, 0}, {0.0065F, 0.0275F, 0.0165F});
-  return carve(shell, ellipsoid(t, {0.0075F, 0.004F, 0.002F}, {0.0055F, 0.019F, 0.0105F}), 0.004F);
+  const float shell = ellipsoid(t, {0, 0, 0}, {0.0065F, 0.0270F, 0.0160F});
+  return carve(shell, ellipsoid(t, {0.0080F, 0.003F, 0.002F}, {0.0055F, 0.018F, 0.0100F}), 0.006F);
 }
 
 float neck(vec3 p) {
-  const float column = round_cone(p, {0, -0.045F, -0.022F}, 0.043F, {0, -0.150F, -0.034F}, 0.047F);
-  return join(column, round_cone(p, {0.016F, -0.040F, -0.050F}, 0.022F, {0.026F, -0.150F, -0.050F}, 0.028F), 0.03F);
+  const float column = round_cone(p, {0, -0.045F, -0.020F}, 0.040F, {0, -0.190F, -0.038F}, 0.044F);
+  const vec3 q = mirrored(p, 0.012F);
+  return join(column, round_cone(q, {0.016F, -0.040F, -0.048F}, 0.022F, {0.024F, -0.190F, -0.056F}, 0.026F), 0.03F);
+}
+
+/// Shoulders and chest without arms, down to where the bust is cut.
+float torso(vec3 p) {
+  const vec3 q = mirrored(p, 0.02F);
+  float d = ellipsoid(p, {0, -0.315F, -0.034F}, {0.155F, 0.150F, 0.082F});  // chest
+  d = join(d, round_cone(q, {0.030F, -0.205F, -0.036F}, 0.036F, {0.155F, -0.229F, -0.038F}, 0.041F),
+           0.06F);  // shoulder
+  return join(d, round_cone(q, {0.022F, -0.135F, -0.048F}, 0.022F, {0.120F, -0.204F, -0.044F}, 0.030F),
+              0.05F);  // its slope
+}
+
+/// Seen from the front, a bust ends in half an ellipse below the shoulders.
+float outside_of_bust(vec3 p) {
+  constexpr vec3 kCentre{0, -0.155F, 0}, kRadii{0.197F, 0.185F, 1.0F};
+  return p.y < kCentre.y ? ellipsoid({p.x, p.y, 0}, kCentre, kRadii) : p.x - kRadii.x;
 }
 
 /// The head as it is, mirrored about x = 0.
 float model_distance_m(vec3 p) {
-  p.x = std::sqrt(p.x * p.x + 1e-8F);  // |x|, rounded by 0.1 mm
-  float d = join(features(skull(p), p), neck(p), 0.022F);
+  p = mirrored(p, 1e-4F);
+  float d = join(hinted_face(skull(p), p), neck(p), 0.022F);
   d = join(d, ear(p), 0.006F);
-  return carve(d, p.y + 0.124F, 0.006F);  // cut of the neck
+  d = join(d, torso(p), 0.04F);
+  return carve(d, -outside_of_bust(p), 0.012F);
 }
 
 float scale_of(const HeadParameters& head) {
@@ -129,11 +154,14 @@ HeadField::HeadField(const HeadParameters& head) {
   origin_m_ = grid.origin_m;
   cell_m_ = grid.cell_m;
   size_ = grid.size;
-  for (int z = 0; z < size_.z; ++z) {
+  const auto layer = static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y);
+  distances_m_.resize(layer * static_cast<std::size_t>(size_.z));
+  tbb::parallel_for(0, size_.z, [&](int z) {
+    float* out = distances_m_.data() + layer * static_cast<std::size_t>(z);
     for (int y = 0; y < size_.y; ++y) {
-      for (int x = 0; x < size_.x; ++x) distances_m_.push_back(head_distance_m(head, grid.point({x, y, z})));
+      for (int x = 0; x < size_.x; ++x) *out++ = head_distance_m(head, grid.point({x, y, z}));
     }
-  }
+  });
 }
 
 float HeadField::at(int x, int y, int z) const noexcept {

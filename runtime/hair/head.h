@@ -1,7 +1,8 @@
-// A stylised human head and neck for the procedural grooms: a signed distance field made of smoothly joined ellipsoids
-// and round cones, and its surface as a mesh. No face of anybody; measures are those of an adult. Frame: metres, Y up,
-// face towards +Z, left ear at +X; the middle of the head (chin to crown) near the origin. Limits: the field is a
-// distance to first order near the surface and a lower estimate farther out.
+// A mannequin for the procedural grooms: head, ears, neck and shoulders, as a bust in a shop's window. A signed
+// distance field made of smoothly joined ellipsoids and round cones, and its surface as a mesh. A face is suggested,
+// nobody's; measures are those of an adult. Frame: metres, Y up, face towards +Z, left ear at +X; the middle of the
+// head (chin to crown) near the origin. Limits: the field is a distance to first order near the surface and a lower
+// estimate farther out.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -12,7 +13,7 @@
 namespace pelage::hair {
 
 struct HeadParameters {
-  float height_m = 0.24F;  // crown to the cut of the neck, (0, 100]; everything scales with it
+  float height_m = 0.24F;  // crown to the middle of the neck, (0, 100]; everything scales with it
 };
 
 /// Signed distance [m], negative inside.
@@ -25,8 +26,8 @@ glm::vec3 head_normal(const HeadParameters& head, glm::vec3 p) noexcept;
 Mesh parametric_head(const HeadParameters& head);
 
 /// The field sampled on a grid, for growing hair: one lookup gives distance and gradient (trilinear; within 2 mm at
-/// the creases of ears and face, where it smooths them, and far closer on the skull). Beyond the grid the distance is
-/// that of the nearest grid point plus the way there.
+/// the creases of ears and at the bust's edge, where it smooths them, and far closer on the skull). Beyond the grid the
+/// distance is that of the nearest grid point plus the way there.
 class HeadField {
  public:
   explicit HeadField(const HeadParameters& head);

@@ -24,7 +24,7 @@ glm::vec3 parse_face(std::string_view name);
 
 struct Skull {
   glm::vec3 centre_m{0};
-  float height_m = 0.24F;   // of the head, crown to neck
+  float height_m = 0.24F;   // of the head, crown to the middle of the neck
   glm::vec3 face{0, 0, 1};  // unit, horizontal
 
   /// A direction as the hairline knows it: face towards +Z.
@@ -32,8 +32,8 @@ struct Skull {
   bool grows_at(const glm::vec3& p) const noexcept;
 };
 
-/// The skull below the mesh's highest point. @param height_m  of the head, crown to neck; a bust below it does not
-/// matter
+/// The skull below the mesh's highest point. @param height_m  of the head, crown to the middle of the neck; a
+/// bust below it does not matter
 /// @throws UsageError for a mesh that is lower than half of that: a unit or a height to be given
 Skull find_skull(const Mesh& mesh, float height_m, const glm::vec3& face);
 

@@ -14,19 +14,28 @@ using glm::vec3;
 constexpr vec3 kSkullCentre_m{0, 0.020F, -0.012F};  // of the head of 0.24 m
 constexpr float kOutside_m = 0.16F;                 // farther from the centre than the skull anywhere
 constexpr float kJitter = 0.33F;                    // of the lattice's spacing
-constexpr float kFuzz = 0.05F;                      // width of the hairline, as the sine of an elevation
+constexpr float kSoftEdge = 0.11F;                  // over which hair gains its density, as the sine of an elevation
+constexpr float kLowDensity = 0.62F;                // of the lower back and sides, against the top and the front
 constexpr float kGoldenTurns = 0.38196601F;
-constexpr std::uint32_t kJitterStream = 1;
+constexpr std::uint32_t kJitterStream = 1, kDensityStream = 2;
 
 /// The hairline: sine of the elevation above which hair grows, against the azimuth (0 front, 1 side, 2 back; |x| and z
 /// in diamond measure).
 struct HairlinePoint {
   float azimuth, sine;
 };
-constexpr HairlinePoint kHairline[] = {{0.00F, 0.58F},  {0.32F, 0.60F},  {0.46F, 0.57F},  {0.58F, 0.36F},
+constexpr HairlinePoint kHairline[] = {{0.00F, 0.55F},  {0.26F, 0.56F},  {0.44F, 0.51F},  {0.57F, 0.34F},
                                        {0.65F, 0.12F},  {0.70F, -0.10F}, {0.74F, -0.12F}, {0.79F, 0.05F},
                                        {0.85F, 0.14F},  {1.00F, 0.17F},  {1.12F, 0.10F},  {1.25F, -0.06F},
                                        {1.35F, -0.26F}, {1.50F, -0.45F}, {1.75F, -0.60F}, {2.00F, -0.64F}};
+
+/// Share of the lattice that grows hair. It rises as a square root inside of the hairline, and is lower where hair from
+/// above covers the scalp.
+bool grows(vec3 d, const std::array<float, 4>& u) {
+  const float edge = (d.y - hairline_sine(d)) / kSoftEdge;
+  const float top = smooth_step(0.1F, 0.6F, d.y + 0.4F * d.z);
+  return u[0] * u[0] < edge + 0.15F && u[1] < kLowDensity + (1.0F - kLowDensity) * top;
+}
 
 /// Directions of a lattice of `total` points over the sphere that lie inside the hairline.
 std::vector<vec3> directions_inside(std::uint32_t total, const CounterRandom& random) {
@@ -42,7 +51,7 @@ std::vector<vec3> directions_inside(std::uint32_t total, const CounterRandom& ra
     const vec3 shift = vec3(u[0], u[1], u[2]) - 0.5F;
     const vec3 d =
         glm::normalize(vec3(ring * cos_turns(turn), y, ring * sin_turns(turn)) + 2 * kJitter * spacing * shift);
-    if (d.y > hairline_sine(d) + kFuzz * (u[3] - 0.5F)) inside.push_back(d);
+    if (grows(d, random.uniform(kDensityStream, k))) inside.push_back(d);
   }
   return inside;
 }

@@ -1,5 +1,6 @@
-// Where hair grows on the parametric head: roots spread evenly inside a hairline (forehead, temples, sideburns, above
-// the ears, nape).
+// Where hair grows on the parametric head: roots inside a hairline (forehead, temples, sideburns, above the ears,
+// nape), evenly spaced in the neighbourhood. They are fewer along the hairline, which is soft, and at the lower back
+// and sides, which hair from above covers.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ glm::vec3 skull_centre_m(const HeadParameters& head) noexcept;
 /// The hairline: sine of the elevation above which hair grows in a direction (unit, from the centre).
 float hairline_sine(glm::vec3 direction) noexcept;
 
-/// Exactly `count` roots, from the crown downwards: a jittered Fibonacci lattice, so that spacing is even to a third.
+/// Exactly `count` roots, from the crown downwards: a jittered Fibonacci lattice, of which some points are left out.
 std::vector<Root> scalp_roots(const HeadParameters& head, const HeadField& field, std::uint32_t count,
                               std::uint64_t seed);
 

@@ -10,6 +10,7 @@
 #include "pelage/data_schema/errors.h"
 #include "pelage/hair/groom.h"
 #include "pelage/hair/resample.h"
+#include "pelage/hair/scalp.h"
 
 namespace pelage::hair {
 namespace {
@@ -36,7 +37,7 @@ TEST_P(Grooms, HaveTheCountsAskedFor) {
 }
 
 TEST_P(Grooms, StayOutsideOfTheHead) {
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
     GroomSettings g = settings(2000);
     g.seed = seed;
     const Strands s = groom(g);
@@ -93,6 +94,48 @@ TEST_P(Grooms, RootsAreSpreadEvenly) {
   EXPECT_GT(nearest[100], 0.6F * nearest[500]);
 }
 
+TEST_P(Grooms, TaperToTheirTips) {
+  const Strands s = groom(settings(400));
+  ASSERT_EQ(s.diameters_m.size(), s.vertices.size());
+  int fine = 0;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    const float* d = s.diameters_m.data() + s.offsets[i];
+    const std::size_t n = s.offsets[i + 1] - s.offsets[i];
+    for (std::size_t k = 1; k < n; ++k) ASSERT_LE(d[k], d[k - 1]);
+    EXPECT_EQ(d[n / 2], d[0]);
+    EXPECT_FLOAT_EQ(d[n - 1], 0.25F * d[0]);
+    EXPECT_LE(d[0], default_diameter_m(400));
+    fine += d[0] < default_diameter_m(400);
+  }
+  EXPECT_GT(fine, 4);  // baby hairs
+  EXPECT_LT(fine, 80);
+}
+
+TEST_P(Grooms, HaveASoftHairline) {
+  const Strands s = groom(settings(4000));
+  int outside = 0, edge = 0, inner = 0;  // bands of equal width along the hairline
+  double short_m = 0;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    const glm::vec3 d = glm::normalize(s.strand(i).front() - skull_centre_m({}));
+    const float inside = d.y - hairline_sine(d);
+    outside += inside < -0.05F;
+    edge += inside >= 0 && inside < 0.05F;
+    inner += inside >= 0.10F && inside < 0.15F;
+    if (inside < 0.05F && arc_length_m(s.strand(i)) < 0.04) short_m += 1;
+  }
+  EXPECT_EQ(outside, 0);
+  EXPECT_GT(edge, inner / 3);
+  EXPECT_LT(edge, 9 * inner / 10);
+  EXPECT_GT(short_m, 0.1 * edge);  // baby hairs, of 1 to 3.4 cm
+}
+
+TEST_P(Grooms, LeaveTheFaceFree) {
+  const Strands s = groom(settings(2000));
+  std::size_t before = 0;  // below the brow, in front of the face
+  for (const glm::vec3& p : s.vertices) before += p.z > 0.065F && p.y < 0.0F && p.y > -0.09F && std::abs(p.x) < 0.03F;
+  EXPECT_EQ(before, 0U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Groom, Grooms,
                          testing::Values(GroomStyle::straight, GroomStyle::wavy, GroomStyle::curly, GroomStyle::bob,
                                          GroomStyle::ponytail));
@@ -103,6 +146,53 @@ TEST(Groom, BobEndsAtTheChin) {
   g.strands = 1000;
   const Strands s = groom(g);
   for (const glm::vec3& p : s.vertices) ASSERT_GT(p.y, -0.10F);
+}
+
+/// Mean height of the tips whose roots `choose` picks.
+template <class Choose>
+double mean_tip_m(const Strands& s, Choose choose) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    if (!choose(s.strand(i).front()) || arc_length_m(s.strand(i)) < 0.05) continue;
+    sum += static_cast<double>(s.strand(i).back().y);
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(Groom, LongHairIsCutInLayers) {
+  for (const GroomStyle style : {GroomStyle::straight, GroomStyle::wavy}) {
+    GroomSettings g;
+    g.style = style;
+    g.strands = 3000;
+    const Strands s = groom(g);
+    const double crown = mean_tip_m(s, [](glm::vec3 root) { return root.y > 0.09F && root.z < 0; });
+    const double nape = mean_tip_m(s, [](glm::vec3 root) { return root.y < 0.0F && root.z < -0.05F; });
+    EXPECT_GT(crown, nape + 0.01);
+    EXPECT_LT(crown, nape + 0.09);
+  }
+}
+
+TEST(Groom, LongHairFallsBeforeAndBehindTheShoulders) {
+  GroomSettings g;
+  g.style = GroomStyle::straight;
+  g.strands = 3000;
+  const Strands s = groom(g);
+  int before = 0, behind = 0, low = 0, aside = 0;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    const glm::vec3 tip = s.strand(i).back();
+    if (tip.y > -0.16F) continue;
+    ++low;
+    before += tip.z > 0.0F;
+    behind += tip.z < -0.07F;
+    aside += std::abs(tip.x) > 0.13F;
+  }
+  EXPECT_GT(low, 1500);
+  EXPECT_GT(before, low / 6);
+  EXPECT_GT(behind, low / 6);
+  EXPECT_GT(before + behind, 9 * low / 10);
+  EXPECT_LT(aside, low / 100);
 }
 
 TEST(Groom, HeadHeightScalesEverything) {

@@ -85,8 +85,8 @@ TEST(MeshObj, ReadsTheSintelBust) {
 
 TEST(Head, MeshIsClosedAndFacesOutwards) {
   const Mesh mesh = parametric_head({});
-  EXPECT_GT(mesh.triangles.size(), 10'000U);
-  EXPECT_LT(mesh.triangles.size(), 20'000U);
+  EXPECT_GT(mesh.triangles.size(), 30'000U);
+  EXPECT_LT(mesh.triangles.size(), 60'000U);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   double volume_m3 = 0;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -98,8 +98,52 @@ TEST(Head, MeshIsClosedAndFacesOutwards) {
     ASSERT_EQ(count, 1);
     ASSERT_EQ(edges.count({edge.second, edge.first}), 1U);
   }
-  EXPECT_GT(volume_m3, 3.0e-3);  // an adult's head and neck: 3 to 5 litres; positive: counter-clockwise outside
-  EXPECT_LT(volume_m3, 5.5e-3);
+  // An adult's head and neck have 4 to 5 litres, shoulders and chest of this bust 6; positive: counter-clockwise
+  // outside.
+  EXPECT_GT(volume_m3, 9.0e-3);
+  EXPECT_LT(volume_m3, 13.0e-3);
+}
+
+TEST(Head, TrianglesAroundAVertexMakeOneFan) {
+  const Mesh mesh = parametric_head({});
+  std::vector<std::map<std::uint32_t, std::uint32_t>> next(mesh.vertices.size());  // around each vertex
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) next[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];
+  for (const auto& around : next) {
+    ASSERT_GE(around.size(), 3U);
+    std::size_t steps = 0;
+    std::uint32_t at = around.begin()->first;
+    do {
+      ASSERT_EQ(around.count(at), 1U);
+      at = around.at(at);
+      ++steps;
+    } while (at != around.begin()->first && steps <= around.size());
+    ASSERT_EQ(steps, around.size());
+  }
+}
+
+/// Half of the mesh's width between two heights.
+float half_width_m(const Mesh& mesh, float from_m, float to_m) {
+  float widest = 0;
+  for (const glm::vec3& p : mesh.vertices)
+    if (p.y > from_m && p.y < to_m) widest = std::max(widest, std::abs(p.x));
+  return widest;
+}
+
+TEST(Head, IsABustWithShoulders) {
+  const Mesh mesh = parametric_head({});
+  EXPECT_NEAR(half_width_m(mesh, -0.115F, -0.105F), 0.050F, 0.012F);  // a slender neck
+  EXPECT_NEAR(half_width_m(mesh, -0.26F, -0.20F), 0.190F, 0.010F);
+  EXPECT_LT(half_width_m(mesh, -1.0F, -0.335F), 0.06F);  // rounded off below
+  float lowest = 1, highest = -1;
+  for (const glm::vec3& p : mesh.vertices) lowest = std::min(lowest, p.y), highest = std::max(highest, p.y);
+  EXPECT_NEAR(highest, 0.116F, 1e-3F);  // the crown stays where it was: hairline and skull_centre_m() rely on it
+  EXPECT_NEAR(lowest, -0.340F, 2e-3F);
+}
+
+TEST(Head, IsMirrored) {
+  for (const glm::vec3& p : parametric_head({}).vertices)
+    ASSERT_EQ(head_distance_m({}, p), head_distance_m({}, {-p.x, p.y, p.z}));
 }
 
 TEST(Head, VerticesLieOnTheFieldAndNormalsPointOut) {
@@ -121,8 +165,8 @@ TEST(Head, SampledFieldAgrees) {
   const HeadField field{HeadParameters{}};
   std::mt19937 random(1);
   std::uniform_real_distribution<float> u(-0.1F, 0.1F);
-  for (int k = 0; k < 20'000; ++k) {
-    const glm::vec3 p{u(random), u(random), u(random)};
+  for (int k = 0; k < 60'000; ++k) {
+    const glm::vec3 p{2 * u(random), -0.115F + 2.3F * u(random), u(random)};
     const float exact = head_distance_m({}, p);
     if (std::abs(exact) < 0.01F) {
       ASSERT_NEAR(field.sample(p).distance_m, exact, 2.0e-3F);
