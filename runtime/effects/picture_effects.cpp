@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "pelage/data_schema/lighting.h"
+#include "pelage/data_schema/strand_tint.h"
 #include "pelage/effects/effect.h"
 #include "pelage/effects/measures.h"
 #include "pelage/shadow/depth_bound.h"
@@ -154,7 +156,7 @@ Effect drawing(std::vector<std::string> uses, std::vector<std::string> stages) {
 
 /// The head takes the shadow of the hair.
 Effect head() {
-  Effect e = pass("head", {kResult}, {}, {"transmittance"});
+  Effect e = pass("head", {kResult}, {"head shadow"}, {"transmittance"});
   e.idle = [](const Scene&, const HairFacts& hair) {
     return hair.head == nullptr || hair.head->triangles.empty() ? "there is no head" : "";
   };
@@ -180,6 +182,7 @@ Verdict judge_shadow(const Scene& scene, const HairFacts& hair) {
   for (const Light& light : scene.lights) {
     if (light.intensity == 0) continue;
     if (light.position) return {true, "no bound is known for point lights"};
+    if (has_size(light)) return {true, "no bound is known for lights of some size"};
     const float depth =
         factor * greatest_depth(*hair.strands, hair.opacity, light, resolution_of(scene), kUnseenShare / factor);
     if (depth > kUnseenShare)

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/lighting.h"
+#include "pelage/data_schema/strand_tint.h"
 #include "pelage/hair/catmull_rom.h"
 #include "pelage/render/shader_inputs.h"
 
@@ -19,7 +21,7 @@ constexpr float kLineStretch = 1.4142136F;
 
 /// Do both lights come from the same place? Colour and intensity are no matter of shadows.
 bool same_place(const Light& a, const Light& b) {
-  return a.position == b.position && (a.position || a.direction == b.direction);
+  return a.position == b.position && (a.position || (a.direction == b.direction && a.size_deg == b.size_deg));
 }
 
 void check_settings(const StrandFrameSettings& frame) {
@@ -145,11 +147,10 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
 
 void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
   if (frame.method == Method::unshadowed) {
-    if (!head_.vertices.empty())
-      renderer_.head().set_shadow(std::vector<glm::vec4>(head_.vertices.size(), glm::vec4(1)));
     renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1)));
     return;
   }
+  update_head_shadow(frame);
   auto stage = ledger_.run("filter");
   std::vector<float> through;
   const auto at = [&](std::span<const glm::vec3> points) {
@@ -162,7 +163,6 @@ void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
     stage.bytes(all.size() * sizeof(glm::vec4));
     return all;
   };
-  if (!head_.vertices.empty()) renderer_.head().set_shadow(at(head_.vertices));
   if (at_fragments(frame)) {
     look_up_at_fragments();
     renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1.0F)));
@@ -177,6 +177,28 @@ void StrandFrame::look_up_at_fragments() {
     auto map = s.shadow->depth_texture();
     if (!map) {
       throw UsageError(
+void StrandFrame::update_head_shadow(const StrandFrameSettings& frame) {
+  if (head_.vertices.empty()) return;
+  std::vector<glm::vec4> all(head_.vertices.size(), glm::vec4(1.0F));
+  if (frame.method != Method::unshadowed) {
+    auto stage = ledger_.run("head shadow");
+    for (std::size_t i = 0; i < shadows_.size(); ++i) {
+      std::unique_ptr<HairShadow> part;  // built again for each place of a light that has a size
+      const auto through = head_shadow(frame.lights[i], head_.vertices.size(), [&](const Light& from, auto out) {
+        if (!has_size(frame.lights[i])) return shadows_[i].shadow->transmittance(head_.vertices, out);
+        if (part)
+          part->build(drawn(), opacity_, from);
+        else
+          part = make_shadow(frame.method, frame.shadow, drawn(), opacity_, from);
+        part->transmittance(head_.vertices, out);
+      });
+      for (std::size_t v = 0; v < all.size(); ++v) all[v][static_cast<int>(i)] = through[v];
+    }
+    stage.bytes(all.size() * sizeof(glm::vec4));
+  }
+  renderer_.head().set_shadow(all);
+}
+
           "shadows at fragments need method density-map, directional lights, even slices and the filter; look "
           "them up at vertices");
     }

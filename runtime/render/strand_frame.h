@@ -4,6 +4,7 @@
 //   smooth, tangents, upload    geometry
 //   fill, transmittance         a light's place, geometry, shadow settings; each light for itself
 //   filter                      a shadow that was built: read at all vertices
+//   head shadow                 the same for the head's vertices; a light of some size is built from several places
 //   order                       view, where the order needs it (sorted, weighted)
 //   draw, read                  every frame
 //
@@ -87,6 +88,7 @@ class StrandFrame {
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
   void update_order(const StrandFrameSettings& frame);
+  void update_head_shadow(const StrandFrameSettings& frame);
   StrandShape shape_for(const StrandFrameSettings& frame, float sample_slope) const;
   PictureOutput::Draw draw_of(const StrandFrameSettings& frame, const PictureSize& size);
 
