@@ -68,14 +68,14 @@ Verdict judge_term(const Scene& scene, const HairFacts& hair, float strength) {
   return {false, fmt::format("adds at most {:.2g} to a colour, {:.2g} cannot be seen", most, kUnseen)};
 }
 
-/// The colour that strands have in place of the material's.
-float colour_of(const HairFacts& hair, glm::vec3 material) {
-  float most = greatest(material);
+/// The greatest colour of any strand: its own in place of the material's, and what varies.
+float colour_of(const HairFacts& hair, const HairMaterial& material, const glm::vec3& colour) {
+  float most = greatest(colour);
   if (hair.strands != nullptr)
     for (const glm::vec3& c : hair.strands->colours) most = std::max(most, greatest(c));
   if (hair.style != nullptr)
     for (const Cluster& c : hair.style->clusters) most = std::max(most, greatest(c.colour));
-  return most;
+  return (1 + kMostTint * material.variation) * most;
 }
 
 struct Lobe {
@@ -89,13 +89,13 @@ struct Lobe {
 
 const Lobe kLobes[] = {
     {"diffuse", "diffuse", &HairMaterial::diffuse, &StrandSettings::diffuse, &SatfSettings::diffuse,
-     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.diffuse_colour); }},
+     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m, m.diffuse_colour); }},
     {"primary-highlight", "primary_highlight", &HairMaterial::primary, &StrandSettings::primary_highlight,
      &SatfSettings::primary_highlight,
      [](const HairMaterial& m, const HairFacts&) { return greatest(m.primary_colour); }},
     {"secondary-highlight", "secondary_highlight", &HairMaterial::secondary, &StrandSettings::secondary_highlight,
      &SatfSettings::secondary_highlight,
-     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.secondary_colour); }}};
+     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m, m.secondary_colour); }}};
 
 Effect lobe_effect(const Lobe& lobe) {
   Effect e;
@@ -129,7 +129,7 @@ Effect ambient_effect() {
     return s.material.ambient == 0 ? std::string("the material has none") : unlit(s);
   };
   e.called_for = [](const Scene& s, const HairFacts& hair) {
-    return judge_term(s, hair, s.material.ambient * colour_of(hair, s.material.diffuse_colour));
+    return judge_term(s, hair, s.material.ambient * colour_of(hair, s.material, s.material.diffuse_colour));
   };
   e.leave_out = [](Scene& s) { s.material.ambient = 0; };
   return e;

@@ -32,16 +32,19 @@ struct Sample {
   std::uint32_t x, y, index;
 };
 
-/// The materials of strands that have colours of their own.
+/// The materials of strands that have colours of their own, or vary.
 class Materials {
  public:
   Materials(const HairMaterial& material, const Strands& strands) : one_(material), strands_(strands) {}
   HairMaterial of(std::uint32_t vertex) const {
     HairMaterial m = one_;
-    if (strands_.colours.empty()) return m;
+    if (strands_.colours.empty() && m.variation == 0) return m;
     const auto& o = strands_.offsets;
     const auto strand = static_cast<std::size_t>(std::upper_bound(o.begin(), o.end(), vertex) - o.begin() - 1);
-    m.diffuse_colour = m.secondary_colour = strands_.colours[strand];
+    if (!strands_.colours.empty()) m.diffuse_colour = m.secondary_colour = strands_.colours[strand];
+    const glm::vec3 tint = strand_tint(static_cast<std::uint32_t>(strand), m.variation);
+    m.diffuse_colour *= tint;
+    m.secondary_colour *= tint;
     return m;
   }
 
@@ -91,10 +94,10 @@ class PixelTracer {
       colour += opacity_ * scene_.transmittance(n) * shade(ray, crossings[static_cast<std::size_t>(n)]);
     }
     if (n < count) {
+      const double choice = unit(random_bits(request_.seed, sample.x, sample.y, sample.index, kTailChoice)[0]);
       const double tail = scene_.transmittance(n) - through, chosen = scene_.transmittance(n) - choice * tail;
       int m = n;  // the crossing that takes T below `chosen`
       while (m + 1 < count && scene_.transmittance(m + 1) > chosen) ++m;
-      const double choice = unit(random_bits(request_.seed, sample.x, sample.y, sample.index, kTailChoice)[0]);
       if (tail > 0) colour += tail * shade(ray, crossings[static_cast<std::size_t>(m)]);
     }
     if (!head) return {colour, 1 - through};

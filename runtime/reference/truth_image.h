@@ -59,7 +59,7 @@ class TruthCamera {
 };
 
 /// @param strands   that `scene` was made of: their colours, where they have any, replace the material's diffuse and
-///                  secondary colour
+///                  secondary colour; either varies as the material says
 /// @param progress  told the pixels done, by one thread at a time; may throw to interrupt
 /// @return [y][x][4] linear RGBA, premultiplied, row 0 on top; the same bytes for any number of threads
 /// @throws UsageError for eye = target or a light without a direction

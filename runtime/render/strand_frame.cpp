@@ -88,6 +88,7 @@ void StrandFrame::update(const StrandFrameSettings& frame) {
   const bool elsewhere = moved || at_fragments(*last_) != at_fragments(frame);
   last_.reset();  // so that a stage that throws is run again
   if (moved) update_geometry(frame.strands.smoothing);
+  if (moved || frame.material.variation != variation_) update_tints(frame.material.variation);
   if (update_shadows(frame, other_method) || elsewhere) look_up_shadows(frame);
   if (reordered) update_order(frame);
   moved_ = false;
@@ -117,6 +118,11 @@ void StrandFrame::update_geometry(int pieces) {
   renderer_.set_segments(segments_);
   sorted_.clear();
   stage.bytes(2 * tangents.size() * sizeof(glm::vec4) + segments_.size() * sizeof(StrandSegment));
+}
+
+void StrandFrame::update_tints(float variation) {
+  renderer_.set_tints(variation > 0 ? strand_tints(drawn().count(), variation) : std::vector<glm::vec3>{});
+  variation_ = variation;
 }
 
 /// Builds the shadows of those lights that need it. @return whether any was built, or a light is gone

@@ -84,6 +84,7 @@ class StrandFrame {
   const Strands& drawn() const noexcept { return smoothed_ ? *smoothed_ : strands_; }
   void update(const StrandFrameSettings& frame);
   void update_geometry(int pieces);
+  void update_tints(float variation);
   bool update_shadows(const StrandFrameSettings& frame, bool other_method);
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
@@ -103,6 +104,7 @@ class StrandFrame {
   std::vector<LightShadow> shadows_;
   float widest_m_ = 0;  // drawn diameter
   float nearest_m_ = 0;
+  float variation_ = 0;                      // of the colours that the renderer has
   std::optional<StrandFrameSettings> last_;  // none: nothing is up to date
   bool moved_ = true;                        // nothing that depends on geometry is
   StrandRenderer renderer_;

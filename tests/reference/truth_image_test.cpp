@@ -123,6 +123,34 @@ TEST(TruthImage, ColoursOfStrandsReplaceTheMaterials) {
   EXPECT_GT(lower.g, 0.1F);
 }
 
+TEST(TruthImage, ColoursVaryByTheStrandsOwnFactor) {
+  Strands s;
+  for (int i = 0; i < 8; ++i) {
+    const float y = 0.01F * float(i) - 0.035F;
+    s.append(std::vector<glm::vec3>{{-0.1F, y, 0}, {0, y, 0}, {0.1F, y, 0}});
+  }
+  s.diameter_m = 4e-3F;
+  for (const bool own : {false, true}) {
+    if (own) s.colours.assign(8, {0.5F, 0.25F, 0.125F});
+    const FibreScene scene(s, 1.0F);
+    TruthRequest r = seen_from_z(1, 8, 1e-2, kOneLight);
+    r.camera.fov_deg = static_cast<float>(2 * std::atan(0.04) * 180 / std::numbers::pi);
+    r.settings.samples = 256;
+    r.material.primary = 0;  // is the light's colour and does not vary
+    const auto plain = truth_image(scene, s, r);
+    r.material.variation = 0.8F;
+    const auto varied = truth_image(scene, s, r);
+    for (int i = 0; i < 8; ++i) {
+      const glm::vec4 a = pixel(plain, 1, 0, 7 - i), b = pixel(varied, 1, 0, 7 - i);
+      const glm::vec3 tint = strand_tint(static_cast<std::uint32_t>(i), 0.8F);
+      EXPECT_EQ(a.a, b.a);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c] / a[c], tint[c], 1e-5F) << "strand " << i << ", own colours " << own;
+    }
+    r.material.variation = 0;
+    EXPECT_EQ(truth_image(scene, s, r), plain);
+  }
+}
+
 TEST(TruthImage, NearFibresCoverFarOnesAndShadowThem) {
   // Ten opaque-ish layers behind each other along the view; light from the viewer: layer k has T = .4^k twice.
   Strands s;
@@ -170,34 +198,6 @@ TEST(TruthImage, HeadIsOpaqueAndLiesInTheHairsShadow) {
   EXPECT_EQ(red.g, 0.0F);
 }
 
-TEST(TruthImage, HeadCastsAShadowOnlyWhenAsked) {
-  Mesh head;  // between hair and light, not between hair and viewer
-  head.vertices = {{-1, 0.5F, -1}, {1, 0.5F, -1}, {0, 0.5F, 2}};
-  head.normals.assign(3, {0, 1, 0});
-  head.triangles = {{0, 2, 1}};
-  const Strands s = sample::one_strand({{-0.1F, 0, 0}, {0.1F, 0, 0}}, 2e-2F);
-  const FibreScene scene(s, 0.6F, &head);
-  const std::vector<Light> lights{Light{{0, 1, 0.5F}, {}, glm::vec3(1), 1}};
-  TruthRequest r = seen_from_z(2, 2, 1e-4, lights);
-  r.material.ambient = 0;
-  EXPECT_GT(pixel(truth_image(scene, s, r), 2, 0, 0).g, 0.0F);
-  r.head_shadow = HeadShadow::casts;
-  EXPECT_EQ(pixel(truth_image(scene, s, r), 2, 0, 0).g, 0.0F);
-}
-
-TEST(TruthImage, SameBytesForAnyNumberOfThreadsAndProgressTellsAllPixels) {
-  const Strands s = sample::walks(300, 20, 0.02, 0.002, 0.3, 4e-4F, 1);
-  const FibreScene scene(s, 0.6F);
-  TruthRequest r = seen_from_z(37, 29, 2e-3, kOneLight);
-  r.settings.samples = 4;
-  std::vector<float> first;
-  for (const std::size_t threads : {1U, 2U, 3U, 8U}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    std::uint64_t last = 0;
-    const auto rgba = truth_image(scene, s, r, [&](std::uint64_t done, std::uint64_t total) {
-      EXPECT_GT(done, last);
-      EXPECT_EQ(total, 37U * 29U);
-      last = done;
 TEST(TruthImage, ShadowOnTheHeadIsAsSoftAsTheLightIsLarge) {
   // A wide opaque ribbon of fibres ends at x = 0, 5 cm above the wall; the light above is seen under 2 atan(.2), so
   // that the wall sees the share of its disc that lies beyond the edge: half at x = 0, none at -1 cm, all at 1 cm.
@@ -233,6 +233,34 @@ TEST(TruthImage, ShadowOnTheHeadIsAsSoftAsTheLightIsLarge) {
   EXPECT_NEAR(seen_from(0.001F), 1.0, 1e-6);
 }
 
+TEST(TruthImage, HeadCastsAShadowOnlyWhenAsked) {
+  Mesh head;  // between hair and light, not between hair and viewer
+  head.vertices = {{-1, 0.5F, -1}, {1, 0.5F, -1}, {0, 0.5F, 2}};
+  head.normals.assign(3, {0, 1, 0});
+  head.triangles = {{0, 2, 1}};
+  const Strands s = sample::one_strand({{-0.1F, 0, 0}, {0.1F, 0, 0}}, 2e-2F);
+  const FibreScene scene(s, 0.6F, &head);
+  const std::vector<Light> lights{Light{{0, 1, 0.5F}, {}, glm::vec3(1), 1}};
+  TruthRequest r = seen_from_z(2, 2, 1e-4, lights);
+  r.material.ambient = 0;
+  EXPECT_GT(pixel(truth_image(scene, s, r), 2, 0, 0).g, 0.0F);
+  r.head_shadow = HeadShadow::casts;
+  EXPECT_EQ(pixel(truth_image(scene, s, r), 2, 0, 0).g, 0.0F);
+}
+
+TEST(TruthImage, SameBytesForAnyNumberOfThreadsAndProgressTellsAllPixels) {
+  const Strands s = sample::walks(300, 20, 0.02, 0.002, 0.3, 4e-4F, 1);
+  const FibreScene scene(s, 0.6F);
+  TruthRequest r = seen_from_z(37, 29, 2e-3, kOneLight);
+  r.settings.samples = 4;
+  std::vector<float> first;
+  for (const std::size_t threads : {1U, 2U, 3U, 8U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    std::uint64_t last = 0;
+    const auto rgba = truth_image(scene, s, r, [&](std::uint64_t done, std::uint64_t total) {
+      EXPECT_GT(done, last);
+      EXPECT_EQ(total, 37U * 29U);
+      last = done;
     });
     EXPECT_EQ(last, 37U * 29U);
     if (first.empty()) first = rgba;
