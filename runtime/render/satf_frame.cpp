@@ -190,13 +190,12 @@ PictureOutput::Draw SatfFrame::draw_of(const FrameSettings& frame, float aspect)
   };
 }
 
-void SatfFrame::show(const FrameSettings& settings, int width, int height, float exposure,
-                     const glm::vec3& background) {
+void SatfFrame::show(const FrameSettings& settings, int width, int height, const Presentation& as) {
   const FrameSettings frame = with_light(settings);
   ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height};
-  output_.show(size, exposure, background, ledger_, draw_of(frame, size.aspect()));
+  output_.show(size, as, ledger_, draw_of(frame, size.aspect()));
 }
 
 Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples,

@@ -49,7 +49,7 @@ class SatfFrame {
   Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples,
                const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
-  void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
+  void show(const FrameSettings& frame, int width, int height, const Presentation& as);
 
   /// The next picture is made as if the hair had moved.
   void refresh() noexcept { moved_ = true; }

@@ -152,11 +152,11 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
 }
 
 void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
+  update_head_shadow(frame);
   if (frame.method == Method::unshadowed) {
     renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1)));
     return;
   }
-  update_head_shadow(frame);
   auto stage = ledger_.run("filter");
   std::vector<float> through;
   const auto at = [&](std::span<const glm::vec3> points) {
@@ -177,12 +177,6 @@ void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
   }
 }
 
-void StrandFrame::look_up_at_fragments() {
-  std::vector<DepthTexture> maps;
-  for (const LightShadow& s : shadows_) {
-    auto map = s.shadow->depth_texture();
-    if (!map) {
-      throw UsageError(
 void StrandFrame::update_head_shadow(const StrandFrameSettings& frame) {
   if (head_.vertices.empty()) return;
   std::vector<glm::vec4> all(head_.vertices.size(), glm::vec4(1.0F));
@@ -205,6 +199,12 @@ void StrandFrame::update_head_shadow(const StrandFrameSettings& frame) {
   renderer_.head().set_shadow(all);
 }
 
+void StrandFrame::look_up_at_fragments() {
+  std::vector<DepthTexture> maps;
+  for (const LightShadow& s : shadows_) {
+    auto map = s.shadow->depth_texture();
+    if (!map) {
+      throw UsageError(
           "shadows at fragments need method density-map, directional lights, even slices and the filter; look "
           "them up at vertices");
     }
@@ -268,12 +268,11 @@ PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const
   };
 }
 
-void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, float exposure,
-                       const glm::vec3& background) {
+void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, const Presentation& as) {
   ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height};
-  output_.show(size, exposure, background, ledger_, draw_of(frame, size));
+  output_.show(size, as, ledger_, draw_of(frame, size));
 }
 
 Image StrandFrame::render(const StrandFrameSettings& frame, int width, int height, int supersampling, int tile_samples,

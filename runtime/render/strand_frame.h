@@ -64,7 +64,7 @@ class StrandFrame {
   Image render(const StrandFrameSettings& frame, int width, int height, int supersampling,
                int tile_samples = kTileSamples, const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
-  void show(const StrandFrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
+  void show(const StrandFrameSettings& frame, int width, int height, const Presentation& as);
 
   /// The next picture is made as if the geometry were new.
   void refresh() noexcept { moved_ = true; }
@@ -88,8 +88,8 @@ class StrandFrame {
   bool update_shadows(const StrandFrameSettings& frame, bool other_method);
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
-  void update_order(const StrandFrameSettings& frame);
   void update_head_shadow(const StrandFrameSettings& frame);
+  void update_order(const StrandFrameSettings& frame);
   StrandShape shape_for(const StrandFrameSettings& frame, float sample_slope) const;
   PictureOutput::Draw draw_of(const StrandFrameSettings& frame, const PictureSize& size);
 
