@@ -18,12 +18,12 @@ Light directional(glm::vec3 direction, glm::vec3 colour, float intensity, float 
 
 /// For a face towards +Z that is seen from its left: the key light comes from the side that it is turned to.
 std::vector<Light> portrait_lights() {
-  return {directional({-0.28F, 0.60F, 0.75F}, {1.0F, 0.95F, 0.88F}, 1.2F, 16),   // key
+  return {directional({-0.28F, 0.60F, 0.75F}, {1.0F, 0.95F, 0.88F}, 1.05F, 16),  // key
           directional({0.95F, 0.25F, 0.35F}, {0.90F, 0.95F, 1.0F}, 0.25F, 30),   // fill
-          directional({0.72F, 0.55F, -0.45F}, {0.88F, 0.94F, 1.0F}, 1.3F, 12)};  // rim
+          directional({0.72F, 0.55F, -0.45F}, {0.88F, 0.94F, 1.0F}, 1.0F, 12)};  // rim
 }
 
-constexpr glm::vec3 kPortraitBackground{0.36F, 0.37F, 0.39F};
+constexpr glm::vec3 kPortraitBackground{0.30F, 0.31F, 0.33F};
 
 }  // namespace
 
