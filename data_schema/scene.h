@@ -32,6 +32,7 @@ struct Light {
   std::optional<glm::vec3> position;      // metres
   glm::vec3 colour{1.0F};                 // linear RGB
   float intensity = 1.0F;                 // >= 0; irradiance, of a point light at 1 m
+  float size_deg = 0.0F;  // across a directional light's disc, [0, 90]; shadows of hair on the head are as soft as that
   bool operator==(const Light&) const = default;
 };
 
@@ -48,7 +49,8 @@ struct HairMaterial {
   float secondary_exponent = 24;                     // of the secondary
   float primary_shift = 0.12F;                       // tangent_shift towards the tip (s of eq. 10), [0, 1]
   float secondary_shift = 0.20F;                     // towards the root (s of eq. 11), [0, 1]
-  float ambient = 0.15F;  // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
+  float ambient = 0.15F;   // unshadowed share of the diffuse colour [Bertails2005 section 3.3]
+  float variation = 0.0F;  // of the hair's colours from strand to strand, [0, 1]: strand_tint.h
   bool operator==(const HairMaterial&) const = default;
 };
 
@@ -76,11 +78,14 @@ struct SatfSettings {
 /// What draws the picture. All but satf draw strand by strand.
 enum class Method { satf, density_map, deep_opacity, opacity_shadow, unshadowed, truth };
 
+enum class Backdrop { plain, gradient };  // the background's colour everywhere | fading to the corners: image/tone.h
+
 struct ImageSettings {
   int width = 1280, height = 720;                          // pixels, [1, 16384]
   int supersampling = 2;                                   // samples per pixel and side, [1, 8]
   float exposure = 1.0F;                                   // linear gain before the sRGB curve, > 0
   std::optional<glm::vec3> background = glm::vec3(0.85F);  // linear RGB; none: transparent
+  Backdrop backdrop = Backdrop::plain;                     // of a background that is not transparent
   bool operator==(const ImageSettings&) const = default;
 };
 

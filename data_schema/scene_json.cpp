@@ -32,6 +32,8 @@ template <>
 inline constexpr std::array<std::string_view, 2> kNames<StrandLobes>{"kajiya-kay", "scheuermann"};
 template <>
 inline constexpr std::array<std::string_view, 2> kNames<ShadowAt>{"vertex", "fragment"};
+template <>
+inline constexpr std::array<std::string_view, 2> kNames<Backdrop>{"plain", "gradient"};
 
 }  // namespace pelage::json_fields
 
@@ -51,6 +53,7 @@ void fields(F&& f, Light& l) {
   f("position", l.position);
   f("colour", l.colour);
   f("intensity", l.intensity);
+  f("size_deg", l.size_deg);
 }
 
 template <class F>
@@ -67,6 +70,7 @@ void fields(F&& f, HairMaterial& m) {
   f("primary_shift", m.primary_shift);
   f("secondary_shift", m.secondary_shift);
   f("ambient", m.ambient);
+  f("variation", m.variation);
 }
 
 template <class F>
@@ -144,6 +148,7 @@ void fields(F&& f, ImageSettings& i) {
   f("supersampling", i.supersampling);
   f("exposure", i.exposure);
   f("background", i.background);
+  f("backdrop", i.backdrop);
 }
 
 template <class F>

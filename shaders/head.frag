@@ -1,10 +1,8 @@
 #version 430 core
-// The head under the hair: Lambert with wrap, shadowed by the hair.
+// The head under the hair, shadowed by the hair.
 
+#include "common_head.glsl"
 #include "common_lights.glsl"
-
-uniform vec3 skin;
-uniform float ambient;  // unshadowed share
 
 in vec3 world;
 in vec3 world_normal;
@@ -17,8 +15,7 @@ void main() {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < light_count; ++i) {
     Arriving light = arriving(i, world);
-    float lambert = max((dot(n, light.to_light) + 0.15) / 1.15, 0.0);
-    sum += (lambert * light_through[i] + ambient) * light.irradiance;
+    sum += (head_direct(n, light.to_light) * light_through[i] + head_ambient(n)) * light.irradiance;
   }
-  colour = vec4(skin * sum, 1.0);
+  colour = vec4(head_colour * sum, 1.0);
 }

@@ -20,6 +20,7 @@ in vec3 world_tangent;
 in vec4 light_through;
 in vec2 widths_m;
 flat in vec4 fibre_colour;
+flat in vec3 fibre_tint;
 
 float shadow(int light) {
 #ifdef PELAGE_SHADOW_AT_FRAGMENT
@@ -42,6 +43,8 @@ void main() {
     m.diffuse.rgb = fibre_colour.rgb;
     m.secondary.rgb = fibre_colour.rgb;
   }
+  m.diffuse.rgb *= fibre_tint;
+  m.secondary.rgb *= fibre_tint;
   vec3 t = direction(world_tangent, vec3(0.0, 1.0, 0.0));  // half-way between opposite tangents
   vec3 v = direction(eye - world, vec3(0.0, 0.0, 1.0));
   vec3 n = facing_normal(t, v);

@@ -14,6 +14,7 @@ layout(std430, binding = 1) readonly buffer Tangents { vec4 tangents[]; };      
 layout(std430, binding = 2) readonly buffer Transmittances { vec4 transmittances[]; }; // a component for each light
 layout(std430, binding = 5) readonly buffer Segments { uvec2 segments[]; };            // in drawing order, see below
 layout(std430, binding = 6) readonly buffer Colours { vec4 colours[]; };               // [strand]
+layout(std430, binding = 7) readonly buffer Tints { vec4 tints[]; };                   // [strand]
 
 // Of a segment: x: its first vertex and these flags; y: its strand.
 const uint kFirst = 0x80000000u, kLast = 0x40000000u, kVertex = 0x3fffffffu;
@@ -24,12 +25,14 @@ uniform vec2 samples_across;   // half the size of the target in samples
 uniform float sample_slope;    // width of a sample at 1 m depth [m]
 uniform bool ribbons;
 uniform bool own_colours;
+uniform bool tinted;           // colours vary from strand to strand
 
 out vec3 world;                // on the centre line
 out vec3 world_tangent;
 out vec4 light_through;
 out vec2 widths_m;             // of the strand, and as drawn
 flat out vec4 fibre_colour;    // a = 0: the material's
+flat out vec3 fibre_tint;      // factor on either
 
 /// Unit vector across a segment as seen along v; 0 where it is seen end on or has no length.
 vec3 across(vec3 segment, vec3 v) {
@@ -65,6 +68,7 @@ void main() {
   world_tangent = tangents[at].xyz;
   light_through = transmittances[at];
   fibre_colour = own_colours ? vec4(colours[segment.y].rgb, 1.0) : vec4(0.0);
+  fibre_tint = tinted ? tints[segment.y].rgb : vec3(1.0);
   vec4 clip = world_to_clip * vec4(world, 1.0);
   float diameter_m = vertices[at].w, sample_m = sample_slope * clip.w;
   if (!ribbons) {

@@ -14,6 +14,7 @@
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/framing.h"
 #include "pelage/app/machine.h"
+#include "pelage/app/picture.h"
 #include "pelage/app/simulation_options.h"
 #include "pelage/app/stopwatch.h"
 #include "pelage/console/program.h"
@@ -214,7 +215,7 @@ class Run {
     row.prepare_ms = ms_since(begin) + (scene.method == Method::satf ? 0 : read_ms_);
     if (animated()) move(*drawing, frames_of(scene, *drawing)[0]);
     begin = Clock::now();
-    Image picture = finished(drawing->render(scene, camera_), scene);
+    Image picture = finished(drawing->render(scene, camera_), scene.image);
     const double wall_ms = ms_since(begin);
     row.stages = drawing->ledger().stages();
     row.first_ms = ms_of(row.stages);
@@ -246,7 +247,7 @@ class Run {
       move(drawing, frames[k]);
       Image image = drawing.render(scene, camera_);
       const double ms = ms_since(begin);
-      Image picture = finished(std::move(image), scene);
+      Image picture = finished(std::move(image), scene.image);
       const double change = flicker(picture, last, truth_.frames[k].picture, truth_.frames[k - 1].picture);
       row.frames.push_back({error_of(picture, k), change, ms});
       squares += change * change;

@@ -3,8 +3,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "pelage/app/picture.h"
 #include "pelage/app/stopwatch.h"
-#include "pelage/image/tone.h"
 
 namespace pelage::app {
 namespace {
@@ -36,7 +36,7 @@ Halves draw_halves(Drawing& drawing, const Scene& scene, const Camera& camera, T
   drawing.set_seed(2);
   Image b = drawing.render(scene, camera);
   frame.alpha = alpha_of(mean_of(a, b));
-  Halves halves{finished(std::move(a), scene), finished(std::move(b), scene)};
+  Halves halves{finished(std::move(a), scene.image), finished(std::move(b), scene.image)};
   frame.picture = mean_of(halves.a, halves.b);
   return halves;
 }
@@ -50,12 +50,6 @@ void note_costs(const Drawing& drawing, ComparedTruth& truth) {
 }
 
 }  // namespace
-
-Image finished(Image image, const Scene& scene) {
-  expose(image, scene.image.exposure);
-  compose_over(image, scene.image.background);
-  return image;
-}
 
 ComparedTruth draw_truth(Drawing& drawing, const Scene& scene, const Camera& camera,
                          std::span<const MovedFrame> frames) {

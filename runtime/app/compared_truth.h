@@ -25,9 +25,6 @@ struct ComparedTruth {
   double first_ms = 0, again_ms = 0;
 };
 
-/// Exposed and over the scene's background, or black where it has none.
-Image finished(Image image, const Scene& scene);
-
 /// @param scene   with method truth and the samples of one half
 /// @param frames  empty: the hair as it is, one frame
 ComparedTruth draw_truth(Drawing& drawing, const Scene& scene, const Camera& camera,

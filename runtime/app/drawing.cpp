@@ -13,7 +13,10 @@
 namespace pelage::app {
 namespace {
 
-constexpr glm::vec3 kWindowBackground{0.85F};
+/// A window has no transparency: the default background shows there.
+Presentation presentation_of(const ImageSettings& image) {
+  return {image.exposure, image.background.value_or(*ImageSettings{}.background), image.backdrop};
+}
 
 FrameSettings settings_of(const SatfFrame&, const Scene& scene, const Camera& camera) {
   return {camera, scene.lights, scene.material, scene.satf};
@@ -52,8 +55,7 @@ class FrameDrawing : public Drawing {
                          });
   }
   void draw_in_window(const Scene& scene, const Camera& camera, int width, int height) override {
-    frame_.show(settings_of(frame_, scene, camera), width, height, scene.image.exposure,
-                scene.image.background.value_or(kWindowBackground));
+    frame_.show(settings_of(frame_, scene, camera), width, height, presentation_of(scene.image));
   }
 };
 

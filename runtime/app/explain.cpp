@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pelage/app/picture.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
-#include "pelage/image/tone.h"
 
 namespace pelage::app {
 namespace {
@@ -31,8 +31,7 @@ Shot shoot(Drawing& drawing, const Scene& scene, const Camera& camera) {
     if (i < before.size()) shot.stages[i].calls -= before[i].calls;
     shot.ms += shot.stages[i].milliseconds;
   }
-  expose(shot.image, scene.image.exposure);
-  compose_over(shot.image, scene.image.background);
+  shot.image = finished(std::move(shot.image), scene.image);
   return shot;
 }
 

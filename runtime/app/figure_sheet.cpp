@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "pelage/app/framing.h"
+#include "pelage/app/picture.h"
 #include "pelage/console/program.h"
 #include "pelage/hair/head.h"
 #include "pelage/image/draw.h"
-#include "pelage/image/tone.h"
 
 namespace pelage::app {
 namespace {
@@ -42,10 +42,10 @@ Subject subject_of(const Scene& scene, hair::GroomStyle style, std::uint32_t str
 
 Image picture_of(Drawing& drawing, const Scene& scene) {
   Image image = drawing.render(scene, camera_of(scene, drawing));
-  expose(image, scene.image.exposure);
-  compose_over(image, scene.image.background.value_or(glm::vec3(0.85F)));
   console::throw_if_interrupted();
-  return image;
+  ImageSettings settings = scene.image;
+  if (!settings.background) settings.background = ImageSettings{}.background;
+  return finished(std::move(image), settings);
 }
 
 glm::ivec2 size_of(const Scene& scene) {

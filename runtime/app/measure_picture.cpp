@@ -6,6 +6,7 @@
 #include "pelage/app/drawing.h"
 #include "pelage/app/framing.h"
 #include "pelage/app/measure.h"
+#include "pelage/app/picture.h"
 #include "pelage/app/picture_truth.h"
 #include "pelage/app/repeat.h"
 #include "pelage/app/stopwatch.h"
@@ -51,7 +52,7 @@ class PictureMeasure final : public Measure {
         },
         {3, 9, 1500});
     for (const Stage& stage : drawing->ledger().stages()) result.bytes += stage.bytes;
-    Image picture = finished(std::move(image), scene);
+    Image picture = finished(std::move(image), scene.image);
     const NoisyError error = noisy_rmse(picture.rgba, halves_.a, halves_.b, Pixels::all);
     result.error = error.rmse;
     result.error_bar = error.standard_error;

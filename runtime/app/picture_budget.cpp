@@ -9,6 +9,7 @@
 #include "ladders.h"
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/ladder.h"
+#include "pelage/app/picture.h"
 #include "pelage/app/picture_truth.h"
 #include "pelage/app/repeat.h"
 #include "pelage/console/program.h"
@@ -120,7 +121,7 @@ class PictureSearch {
           image = drawing.render(scene, camera_);
         },
         frames);
-    const Image picture = finished(Image(image), scene);
+    const Image picture = finished(Image(image), scene.image);
     const NoisyError e = noisy_rmse(values_at(picture, at.pixels), at.halves.a, at.halves.b, Pixels::sample);
     const double whole = std::sqrt(shown_->share());
     return {whole * e.rmse, whole * e.standard_error, median_of(ms)};

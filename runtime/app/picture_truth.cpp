@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pelage/app/picture.h"
 #include "pelage/console/program.h"
 #include "pelage/console/progress.h"
 #include "pelage/effects/plan.h"
@@ -48,11 +49,22 @@ TruthRequest PictureTruth::request(std::uint64_t seed) const {
   return request;
 }
 
-std::vector<float> PictureTruth::finished(std::vector<float> rgba) const {
-  Image row(static_cast<int>(rgba.size() / 4), 1);
-  row.rgba = std::move(rgba);
-  expose(row, scene_.image.exposure);
-  compose_over(row, scene_.image.background);
+std::vector<float> PictureTruth::whole_half(std::uint64_t seed, const TruthProgress& progress) const {
+  Image image(scene_.image.width, scene_.image.height);
+  image.rgba = truth_image(*fibres_, strands_, request(seed), progress);
+  return finished(std::move(image), scene_.image).rgba;
+}
+
+std::vector<float> PictureTruth::half_at(std::span<const glm::ivec2> pixels, std::uint64_t seed) const {
+  const ImageSettings& settings = scene_.image;
+  Image row(static_cast<int>(pixels.size()), 1);
+  row.rgba = truth_pixels(*fibres_, strands_, request(seed), pixels);
+  expose(row, settings.exposure);
+  const glm::vec2 size(settings.width, settings.height);
+  for (std::size_t i = 0; settings.background && i < pixels.size(); ++i) {
+    const float gain = backdrop_gain(settings.backdrop, glm::vec2(pixels[i]) + 0.5F, size);
+    compose_over(row.rgba.data() + 4 * i, gain * *settings.background);
+  }
   return std::move(row.rgba);
 }
 
@@ -60,10 +72,10 @@ TruthHalves PictureTruth::whole(std::uint64_t seed, const std::string& name) con
   const auto pixels = static_cast<std::uint64_t>(scene_.image.width) * static_cast<std::uint64_t>(scene_.image.height);
   console::Progress progress("tracing the truth of " + name, 2 * pixels, "pixels");
   const auto half = [&](std::uint64_t which) {
-    return finished(truth_image(*fibres_, strands_, request(2 * seed + which), [&](std::uint64_t done, std::uint64_t) {
+    return whole_half(2 * seed + which, [&](std::uint64_t done, std::uint64_t) {
       console::throw_if_interrupted();
       progress.update(which * pixels + done);
-    }));
+    });
   };
   TruthHalves halves;
   halves.a = half(0);
@@ -73,9 +85,9 @@ TruthHalves PictureTruth::whole(std::uint64_t seed, const std::string& name) con
 
 TruthHalves PictureTruth::at(std::span<const glm::ivec2> pixels, std::uint64_t seed) const {
   TruthHalves halves;
-  halves.a = finished(truth_pixels(*fibres_, strands_, request(2 * seed), pixels));
+  halves.a = half_at(pixels, 2 * seed);
   console::throw_if_interrupted();
-  halves.b = finished(truth_pixels(*fibres_, strands_, request(2 * seed + 1), pixels));
+  halves.b = half_at(pixels, 2 * seed + 1);
   return halves;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -39,8 +40,10 @@ class PictureTruth {
   const Camera& camera() const noexcept { return camera_; }
 
  private:
+  using TruthProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
   TruthRequest request(std::uint64_t seed) const;
-  std::vector<float> finished(std::vector<float> rgba) const;
+  std::vector<float> whole_half(std::uint64_t seed, const TruthProgress& progress) const;
+  std::vector<float> half_at(std::span<const glm::ivec2> pixels, std::uint64_t seed) const;
 
   Strands strands_;
   Mesh head_;

@@ -13,7 +13,9 @@
 
 #include "pelage/app/choose.h"
 #include "pelage/console/options.h"
+#include "pelage/console/verb.h"
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/lighting.h"
 #include "pelage/data_schema/scene_values.h"
 #include "pelage/data_schema/validate.h"
 #include "pelage/effects/effect.h"
@@ -165,6 +167,17 @@ void set_strand_options(const CLI::App& verb, const SceneOptions& o, Scene& scen
   if (given("--samples")) scene.truth.samples = o.samples;
 }
 
+void set_lighting_option(const CLI::App& verb, const std::string& name, Scene& scene) {
+  for (const char* const option : {"--light", "--point-light"}) {
+    if (verb.count(option) == 0) continue;
+    throw UsageError("--lighting and " + std::string(option) +
+                     " both say where light comes from: give one of them, or change single lights with --set "
+                     "lights.0.intensity=2");
+  }
+  set_lighting(scene,
+               choose<Lighting>({{"paper", Lighting::paper}, {"portrait", Lighting::portrait}}, name, "--lighting"));
+}
+
 void set_order(const std::string& order, Scene& scene) {
   if (scene.method == Method::satf) {
     scene.satf.draw_order = choose<DrawOrder>(
@@ -228,12 +241,22 @@ std::shared_ptr<SceneOptions> add_scene_options(console::Verb& verb) {
                   "Share of a crossing ray that a fibre of a hair file stops [the file's, or 0.6]")
       ->check(console::finite(0.001, 1));
   verb.add_input("--material", o->material, "black, brown, blond, red, grey, or a material file [brown]");
+  verb.add_option(
+          "--colour-variation", o->colour_variation,
+          "How much colours vary from strand to strand, 0 to 1; the mean stays. satf draws clusters, which have "
+          "the mean [0]")
+      ->check(console::finite(0, 1));
   verb.add_option("--camera", o->camera,
                   "Eye and target in metres, field of view in degrees: x,y,z,x,y,z[,fov] [framed]");
   verb.add_option("--light", o->lights,
                   "Direction towards a light and its intensity: x,y,z[,i]; up to 4 [0.4,0.7,0.6,1]");
   verb.add_option("--point-light", o->point_lights,
                   "Position of a point light in metres and its irradiance at 1 m: x,y,z[,i]");
+  verb.add_option(
+      "--lighting", o->lighting,
+      "paper: the one light of the papers; portrait: key, fill and rim light, soft shadows on the head and a "
+      "grey backdrop, for the framed camera. In place of a scene file's lights and background; lights of "
+      "your own do not go with it, a --background does [paper]");
   verb.add_option(
       "--method", o->method,
       "What draws: satf; strand by strand, shadowed by density-map, deep-opacity, opacity-shadow or "
@@ -332,6 +355,8 @@ Scene resolve_scene(const console::Verb& verb, const SceneOptions& o) {
                                    {"truth", Method::truth}},
                                   o.method, "--method");
   }
+  if (given("--colour-variation")) scene.material.variation = o.colour_variation;
+  if (given("--lighting")) set_lighting_option(verb, o.lighting, scene);
   if (given("--light") || given("--point-light")) {
     scene.lights.clear();
     for (const std::string& text : o.lights) scene.lights.push_back(parse_light(text, "--light"));

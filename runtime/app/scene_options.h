@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "pelage/console/verb.h"
 #include "pelage/data_schema/scene.h"
 
-namespace CLI {
-class App;
+namespace pelage::console {
+class Verb;
 }
 
 namespace pelage::app {
@@ -18,12 +17,12 @@ namespace pelage::app {
 struct SceneOptions {
   std::string input;
   std::string head, database, unit, up, material, camera, background, size, records, self_shadow, order;
-  std::string curve, method, density_map, shape, lobes, shadow_at;
+  std::string curve, method, density_map, shape, lobes, shadow_at, lighting;
   std::vector<std::string> lights, point_lights;
   std::vector<std::string> effects_on, effects_off, effects_auto;
   std::vector<std::string> values;  // --set
   bool azimuth = true;
-  float exposure = 1.0F, diameter_um = 0, opacity = 0;
+  float exposure = 1.0F, diameter_um = 0, opacity = 0, colour_variation = 0;
   int supersampling = 2, clusters = 150, bake_sectors = 0, neighbours = 4;
   int shadow_resolution = 128, smoothing = 1, samples = 16;
   int layers = 0, sectors = 0, plates = 0;

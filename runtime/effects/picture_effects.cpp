@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "pelage/data_schema/lighting.h"
+#include "pelage/data_schema/strand_tint.h"
 #include "pelage/effects/effect.h"
 #include "pelage/effects/measures.h"
 #include "pelage/shadow/depth_bound.h"
@@ -66,14 +68,14 @@ Verdict judge_term(const Scene& scene, const HairFacts& hair, float strength) {
   return {false, fmt::format("adds at most {:.2g} to a colour, {:.2g} cannot be seen", most, kUnseen)};
 }
 
-/// The colour that strands have in place of the material's.
-float colour_of(const HairFacts& hair, glm::vec3 material) {
-  float most = greatest(material);
+/// The greatest colour of any strand: its own in place of the material's, and what varies.
+float colour_of(const HairFacts& hair, const HairMaterial& material, const glm::vec3& colour) {
+  float most = greatest(colour);
   if (hair.strands != nullptr)
     for (const glm::vec3& c : hair.strands->colours) most = std::max(most, greatest(c));
   if (hair.style != nullptr)
     for (const Cluster& c : hair.style->clusters) most = std::max(most, greatest(c.colour));
-  return most;
+  return (1 + kMostTint * material.variation) * most;
 }
 
 struct Lobe {
@@ -87,13 +89,13 @@ struct Lobe {
 
 const Lobe kLobes[] = {
     {"diffuse", "diffuse", &HairMaterial::diffuse, &StrandSettings::diffuse, &SatfSettings::diffuse,
-     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.diffuse_colour); }},
+     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m, m.diffuse_colour); }},
     {"primary-highlight", "primary_highlight", &HairMaterial::primary, &StrandSettings::primary_highlight,
      &SatfSettings::primary_highlight,
      [](const HairMaterial& m, const HairFacts&) { return greatest(m.primary_colour); }},
     {"secondary-highlight", "secondary_highlight", &HairMaterial::secondary, &StrandSettings::secondary_highlight,
      &SatfSettings::secondary_highlight,
-     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m.secondary_colour); }}};
+     [](const HairMaterial& m, const HairFacts& hair) { return colour_of(hair, m, m.secondary_colour); }}};
 
 Effect lobe_effect(const Lobe& lobe) {
   Effect e;
@@ -127,7 +129,7 @@ Effect ambient_effect() {
     return s.material.ambient == 0 ? std::string("the material has none") : unlit(s);
   };
   e.called_for = [](const Scene& s, const HairFacts& hair) {
-    return judge_term(s, hair, s.material.ambient * colour_of(hair, s.material.diffuse_colour));
+    return judge_term(s, hair, s.material.ambient * colour_of(hair, s.material, s.material.diffuse_colour));
   };
   e.leave_out = [](Scene& s) { s.material.ambient = 0; };
   return e;
@@ -154,7 +156,7 @@ Effect drawing(std::vector<std::string> uses, std::vector<std::string> stages) {
 
 /// The head takes the shadow of the hair.
 Effect head() {
-  Effect e = pass("head", {kResult}, {}, {"transmittance"});
+  Effect e = pass("head", {kResult}, {"head shadow"}, {"transmittance"});
   e.idle = [](const Scene&, const HairFacts& hair) {
     return hair.head == nullptr || hair.head->triangles.empty() ? "there is no head" : "";
   };
@@ -180,6 +182,7 @@ Verdict judge_shadow(const Scene& scene, const HairFacts& hair) {
   for (const Light& light : scene.lights) {
     if (light.intensity == 0) continue;
     if (light.position) return {true, "no bound is known for point lights"};
+    if (has_size(light)) return {true, "no bound is known for lights of some size"};
     const float depth =
         factor * greatest_depth(*hair.strands, hair.opacity, light, resolution_of(scene), kUnseenShare / factor);
     if (depth > kUnseenShare)

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace pelage {
 
@@ -15,12 +17,25 @@ std::size_t remove_non_finite(Image& image) noexcept {
   return count;
 }
 
-void compose_over(Image& image, const std::optional<glm::vec3>& background) noexcept {
+float backdrop_gain(Backdrop backdrop, glm::vec2 at, glm::vec2 size) noexcept {
+  if (backdrop == Backdrop::plain) return 1.0F;
+  const float off = glm::length(at - glm::vec2(0.5F, 0.42F) * size) / (0.5F * glm::length(size));
+  return glm::mix(1.0F, 0.45F, glm::smoothstep(0.0F, 1.0F, off));
+}
+
+void compose_over(float* rgba, const glm::vec3& background) noexcept {
+  for (int c = 0; c < 3; ++c) rgba[c] += (1.0F - rgba[3]) * background[c];
+  rgba[3] = 1.0F;
+}
+
+void compose_over(Image& image, const std::optional<glm::vec3>& background, Backdrop backdrop) noexcept {
   if (!background) return;
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    const float through = 1.0F - image.rgba[i + 3];
-    for (std::size_t c = 0; c < 3; ++c) image.rgba[i + c] += through * (*background)[static_cast<int>(c)];
-    image.rgba[i + 3] = 1.0F;
+  const glm::vec2 size(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float gain = backdrop_gain(backdrop, glm::vec2(x, y) + 0.5F, size);
+      compose_over(image.pixel(x, y), gain * *background);
+    }
   }
 }
 

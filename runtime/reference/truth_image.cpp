@@ -10,34 +10,41 @@
 #include <glm/vec4.hpp>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/lighting.h"
+#include "pelage/data_schema/strand_tint.h"
 #include "pelage/reference/azimuth.h"
 #include "pelage/reference/light_ray.h"
 #include "pelage/reference/progress_counter.h"
 #include "pelage/reference/sampling.h"
+#include "pelage/shading/head_lighting.h"
 #include "pelage/shading/light.h"
 
 namespace pelage {
 namespace {
 
-/// Twins of render/head_renderer.cpp and shaders/head.frag.
-constexpr glm::dvec3 kSkin{0.62F, 0.45F, 0.36F};
-constexpr double kHeadAmbient = 0.22F, kWrap = 0.15;
-
 constexpr int kTile = 16;  // pixels
 
-/// Numbers of a pixel that are drawn apart.
-enum Stream : std::uint32_t { kSquare, kTailChoice };
+/// Numbers of a pixel that are drawn apart; kLightDisc + i are those of the i-th light.
+enum Stream : std::uint32_t { kSquare, kTailChoice, kLightDisc };
 
-/// The materials of strands that have colours of their own.
+/// One of a pixel's rays.
+struct Sample {
+  std::uint32_t x, y, index;
+};
+
+/// The materials of strands that have colours of their own, or vary.
 class Materials {
  public:
   Materials(const HairMaterial& material, const Strands& strands) : one_(material), strands_(strands) {}
   HairMaterial of(std::uint32_t vertex) const {
     HairMaterial m = one_;
-    if (strands_.colours.empty()) return m;
+    if (strands_.colours.empty() && m.variation == 0) return m;
     const auto& o = strands_.offsets;
     const auto strand = static_cast<std::size_t>(std::upper_bound(o.begin(), o.end(), vertex) - o.begin() - 1);
-    m.diffuse_colour = m.secondary_colour = strands_.colours[strand];
+    if (!strands_.colours.empty()) m.diffuse_colour = m.secondary_colour = strands_.colours[strand];
+    const glm::vec3 tint = strand_tint(static_cast<std::uint32_t>(strand), m.variation);
+    m.diffuse_colour *= tint;
+    m.secondary_colour *= tint;
     return m;
   }
 
@@ -68,15 +75,14 @@ class PixelTracer {
     glm::dvec4 sum(0);
     for (std::uint32_t i = 0; i < samples; ++i) {
       const glm::dvec2 at = glm::dvec2(x, y) + square.point(i);
-      const double choice = unit(random_bits(request_.seed, px, py, i, kTailChoice)[0]);
-      sum += along(camera_.ray(at.x, at.y), choice, crossings);
+      sum += along(camera_.ray(at.x, at.y), {px, py, i}, crossings);
     }
     return sum / static_cast<double>(samples);
   }
 
  private:
-  /// What a ray sees. @param choice  uniform in (0, 1)
-  glm::dvec4 along(FibreRay ray, double choice, std::vector<FibreCrossing>& crossings) const {
+  /// What a ray sees.
+  glm::dvec4 along(FibreRay ray, const Sample& sample, std::vector<FibreCrossing>& crossings) const {
     const std::optional<HeadHit> head = scene_.head(ray);
     if (head) ray.length_m = head->depth_m;
     scene_.collect(ray, crossings);
@@ -88,13 +94,14 @@ class PixelTracer {
       colour += opacity_ * scene_.transmittance(n) * shade(ray, crossings[static_cast<std::size_t>(n)]);
     }
     if (n < count) {
+      const double choice = unit(random_bits(request_.seed, sample.x, sample.y, sample.index, kTailChoice)[0]);
       const double tail = scene_.transmittance(n) - through, chosen = scene_.transmittance(n) - choice * tail;
       int m = n;  // the crossing that takes T below `chosen`
       while (m + 1 < count && scene_.transmittance(m + 1) > chosen) ++m;
       if (tail > 0) colour += tail * shade(ray, crossings[static_cast<std::size_t>(m)]);
     }
     if (!head) return {colour, 1 - through};
-    return {colour + through * shade(ray, *head), 1.0};
+    return {colour + through * shade(ray, *head, sample), 1.0};
   }
 
   /// T of the hair, and of the head where it casts shadows, from a point to a light.
@@ -123,17 +130,25 @@ class PixelTracer {
     return sum;
   }
 
-  glm::dvec3 shade(const FibreRay& ray, const HeadHit& head) const {
+  /// The light, or a place of its disc at random.
+  Light seen(std::size_t light, const Sample& s) const {
+    const Light& whole = request_.lights[light];
+    if (!has_size(whole)) return whole;
+    const auto stream = static_cast<std::uint32_t>(kLightDisc + light);
+    const auto digits = random_bits(request_.seed, s.x, s.y, 0, stream);
+    return part_of(whole, in_disk(SquareSequence(digits[0], digits[1]).point(s.index)));
+  }
+
+  glm::dvec3 shade(const FibreRay& ray, const HeadHit& head, const Sample& sample) const {
     const glm::dvec3 at = ray.origin + (1 - 1e-5) * head.depth_m * ray.direction;
     glm::dvec3 sum(0);
-    for (const Light& light : request_.lights) {
-      const Arriving arriving_here = arriving(light, glm::vec3(at));
-      const double facing = static_cast<double>(glm::dot(head.normal, arriving_here.to_light));
-      const double lambert = std::max((facing + kWrap) / (1 + kWrap), 0.0);
-      const double direct = lambert > 0 ? lambert * lit(light, at, kNoOwner) : 0;
-      sum += (direct + kHeadAmbient) * glm::dvec3(arriving_here.irradiance);
+    for (std::size_t i = 0; i < request_.lights.size(); ++i) {
+      const Arriving arriving_here = arriving(request_.lights[i], glm::vec3(at));
+      double direct = static_cast<double>(head_direct(head.normal, arriving_here.to_light));
+      if (direct > 0) direct *= lit(seen(i, sample), at, kNoOwner);
+      sum += (direct + static_cast<double>(head_ambient(head.normal))) * glm::dvec3(arriving_here.irradiance);
     }
-    return kSkin * sum;
+    return glm::dvec3(kHeadColour) * sum;
   }
 
   const FibreScene& scene_;

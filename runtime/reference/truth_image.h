@@ -9,8 +9,9 @@
 // ambient * diffuse colour, which is not shadowed [Bertails2005 section 3.3]). t is the strand's tangent as the
 // rasteriser has it, n the side that faces the viewer. Crossings are shaded one by one while T >= kTail; of those
 // behind, one is chosen at random with the probability of its weight and stands for all: right in the mean, and a
-// shadow ray behind ten fibres is not worth its time. Colour of the head: Lambert with wrap and ambient as
-// shaders/head.frag has it, in the shadow of the hair.
+// shadow ray behind ten fibres is not worth its time. Colour of the head: shading/head_lighting.h, in the shadow of
+// the hair, which is soft where a light has a size: each sample looks at one place of its disc. Hair is shadowed from
+// the disc's middle, as it is by the methods compared with.
 //
 // Limits: one scattering. The rasteriser's near plane (a hundredth in front of the nearest hair) does not exist here.
 // The head casts no shadow unless asked to: the methods compared with have none.
@@ -58,7 +59,7 @@ class TruthCamera {
 };
 
 /// @param strands   that `scene` was made of: their colours, where they have any, replace the material's diffuse and
-///                  secondary colour
+///                  secondary colour; either varies as the material says
 /// @param progress  told the pixels done, by one thread at a time; may throw to interrupt
 /// @return [y][x][4] linear RGBA, premultiplied, row 0 on top; the same bytes for any number of threads
 /// @throws UsageError for eye = target or a light without a direction

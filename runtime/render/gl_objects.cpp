@@ -15,6 +15,7 @@ namespace {
 const std::map<std::string_view, std::string_view>& embedded_shaders() {
   static const std::map<std::string_view, std::string_view> files{
       {"common_depth_map.glsl", shaders::common_depth_map_glsl},
+      {"common_head.glsl", shaders::common_head_glsl},
       {"common_lights.glsl", shaders::common_lights_glsl},
       {"common_lobes.glsl", shaders::common_lobes_glsl},
       {"common_output.glsl", shaders::common_output_glsl},

@@ -3,15 +3,20 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <vector>
 
+#include "pelage/data_schema/lighting.h"
 #include "pelage/render/shader_inputs.h"
 
 namespace pelage {
-namespace {
-
-constexpr glm::vec3 kSkin{0.62F, 0.45F, 0.36F};
-constexpr float kAmbient = 0.22F;
-
-}  // namespace
+std::vector<float> head_shadow(const Light& light, std::size_t vertices, const ShadowFrom& from) {
+  const std::vector<Light> parts = parts_of(light);
+  std::vector<float> one(vertices), sum(vertices, 0.0F);
+  for (const Light& part : parts) {
+    from(part, one);
+    for (std::size_t v = 0; v < vertices; ++v) sum[v] += one[v];
+  }
+  for (float& t : sum) t /= static_cast<float>(parts.size());
+  return sum;
+}
 
 void HeadRenderer::set_head(const Mesh& head) {
   std::vector<glm::vec3> vertices;
@@ -47,9 +52,7 @@ void HeadRenderer::begin_picture(const glm::mat4& world_to_clip, std::span<const
     glUseProgram(program_.id());
     glUniformMatrix4fv(program_.at("world_to_clip"), 1, GL_FALSE, glm::value_ptr(world_to_clip));
     set_lights(program_, lights);
-    const glm::vec3 skin = kSkin;
-    glUniform3fv(program_.at("skin"), 1, glm::value_ptr(skin));
-    glUniform1f(program_.at("ambient"), kAmbient);
+    set_head_material(program_);
     glBindVertexArray(array_.id());
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(index_count_), GL_UNSIGNED_INT, nullptr);
   }

@@ -1,15 +1,23 @@
 // The head under the hair, and the beginning of every picture. Needs a current OpenGL context for its whole life.
 #pragma once
 
+#include <functional>
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 #include <span>
+#include <vector>
 
 #include "pelage/data_schema/mesh.h"
 #include "pelage/data_schema/scene.h"
 #include "pelage/render/gl_objects.h"
 
 namespace pelage {
+
+/// Transmittance of the hair from a light of no size to the head's vertices.
+using ShadowFrom = std::function<void(const Light& light, std::span<float> out)>;
+
+/// The same from a light of any size: the mean over places of its disc. [vertices]
+std::vector<float> head_shadow(const Light& light, std::size_t vertices, const ShadowFrom& from);
 
 class HeadRenderer {
  public:

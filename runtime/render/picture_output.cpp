@@ -44,14 +44,13 @@ Image PictureOutput::render(const PictureSize& size, StageLedger& ledger, const 
   return image;
 }
 
-void PictureOutput::show(const PictureSize& size, float exposure, const glm::vec3& background, StageLedger& ledger,
-                         const Draw& draw) {
+void PictureOutput::show(const PictureSize& size, const Presentation& as, StageLedger& ledger, const Draw& draw) {
   auto stage = ledger.run("draw");
   if (!window_target_ || window_target_->width() != size.width || window_target_->height() != size.height) {
     window_target_ = std::make_unique<Framebuffer>(size.width, size.height, format_, true);
   }
   draw(glm::mat4(1.0F), *window_target_);
-  present(*window_target_, exposure, background);
+  present(*window_target_, as);
 }
 
 void PictureOutput::read(Framebuffer& target, int supersampling, Image& out, int x0, int y0) {
@@ -78,14 +77,16 @@ void PictureOutput::read(Framebuffer& target, int supersampling, Image& out, int
   }
 }
 
-void PictureOutput::present(Framebuffer& target, float exposure, const glm::vec3& background) {
+void PictureOutput::present(Framebuffer& target, const Presentation& as) {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, target.width(), target.height());
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   glUseProgram(present_.id());
-  glUniform1f(present_.at("exposure"), exposure);
-  glUniform3fv(present_.at("background"), 1, glm::value_ptr(background));
+  glUniform1f(present_.at("exposure"), as.exposure);
+  glUniform3fv(present_.at("background"), 1, glm::value_ptr(as.background));
+  glUniform1i(present_.at("gradient"), as.backdrop == Backdrop::gradient ? 1 : 0);
+  glUniform2f(present_.at("size"), static_cast<float>(target.width()), static_cast<float>(target.height()));
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, target.colour());
   glBindVertexArray(array_.id());

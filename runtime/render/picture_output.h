@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <memory>
 
+#include "pelage/data_schema/scene.h"
 #include "pelage/data_schema/stages.h"
 #include "pelage/image/image.h"
 #include "pelage/render/gl_objects.h"
@@ -26,6 +27,13 @@ struct PictureSize {
   float aspect() const noexcept { return static_cast<float>(width) / static_cast<float>(height); }
 };
 
+/// How a window shows what was drawn; files: image/tone.h.
+struct Presentation {
+  float exposure = 1.0F;
+  glm::vec3 background{0.0F};  // linear RGB
+  Backdrop backdrop = Backdrop::plain;
+};
+
 class PictureOutput {
  public:
   /// Draws the part of the picture that `part` maps to the whole of clip space.
@@ -38,14 +46,13 @@ class PictureOutput {
   /// @param told  before the first tile and after each; may throw to interrupt
   Image render(const PictureSize& size, StageLedger& ledger, const Draw& draw, const TilesDone& told = {});
   /// Stage "draw"; exposed and over a background on the window's own framebuffer of this size.
-  void show(const PictureSize& size, float exposure, const glm::vec3& background, StageLedger& ledger,
-            const Draw& draw);
+  void show(const PictureSize& size, const Presentation& as, StageLedger& ledger, const Draw& draw);
 
   /// Mean of supersampling x supersampling samples into `out` at (x0, y0), as far as `out` reaches.
   void read(Framebuffer& target, int supersampling, Image& out, int x0, int y0);
 
  private:
-  void present(Framebuffer& target, float exposure, const glm::vec3& background);
+  void present(Framebuffer& target, const Presentation& as);
 
   GLenum format_;
   Program downsample_{"screen.vert", "downsample.frag"};

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/lighting.h"
 #include "pelage/satf/self_shadow.h"
 
 namespace pelage {
@@ -29,6 +30,12 @@ bool same_order(const FrameSettings& a, const FrameSettings& b) {
 FrameSettings with_light(FrameSettings frame) {
   if (frame.lights.empty()) frame.lights.emplace_back().intensity = 0.0F;
   return frame;
+}
+
+DensityMapSettings map_settings(const SatfSettings& satf) {
+  DensityMapSettings settings;
+  settings.resolution = satf.shadow_resolution;
+  return settings;
 }
 
 /// Of no meaning for a point light.
@@ -106,18 +113,14 @@ void SatfFrame::update(const FrameSettings& frame) {
 }
 
 void SatfFrame::update_shadows(const FrameSettings& frame) {
-  std::vector<glm::vec4> on_head(head_.vertices.size(), glm::vec4(1.0F));
+  std::vector<std::optional<DensityMap>> maps(frame.lights.size());
   shadows_.resize(frame.lights.size());
   for (std::size_t i = 0; i < frame.lights.size(); ++i) {
-    std::optional<DensityMap> map;
+    std::optional<DensityMap>& map = maps[i];
     if (frame.satf.global_shadow) {
       auto stage = ledger_.run("shadow map");
-      DensityMapSettings settings;
-      settings.resolution = frame.satf.shadow_resolution;
-      map.emplace(settings, strands_, style_.opacity, frame.lights[i]);
+      map.emplace(map_settings(frame.satf), strands_, style_.opacity, frame.lights[i]);
       stage.bytes(map->bytes());
-      for (std::size_t v = 0; v < on_head.size(); ++v)
-        on_head[v][static_cast<int>(i)] = map->transmittance(head_.vertices[v]);
     }
     if (!map && frame.satf.self_shadow != SelfShadow::light) {
       shadows_[i].clear();
@@ -130,7 +133,26 @@ void SatfFrame::update_shadows(const FrameSettings& frame) {
     build_shadows(model_, *source_, request, shadows_[i]);
     stage.bytes(shadows_[i].size() * sizeof(std::uint16_t));
   }
-  if (!head_.vertices.empty()) renderer_.head().set_shadow(on_head);
+  update_head_shadow(frame, maps);
+}
+
+void SatfFrame::update_head_shadow(const FrameSettings& frame, std::span<const std::optional<DensityMap>> maps) {
+  if (head_.vertices.empty()) return;
+  std::vector<glm::vec4> all(head_.vertices.size(), glm::vec4(1.0F));
+  if (frame.satf.global_shadow) {
+    auto stage = ledger_.run("head shadow");
+    DensityMap part(map_settings(frame.satf));  // built again for each place of a light that has a size
+    for (std::size_t i = 0; i < maps.size(); ++i) {
+      const auto through = head_shadow(frame.lights[i], head_.vertices.size(), [&](const Light& from, auto out) {
+        if (!has_size(frame.lights[i])) return maps[i]->transmittance(head_.vertices, out);
+        part.build(strands_, style_.opacity, from);
+        part.transmittance(head_.vertices, out);
+      });
+      for (std::size_t v = 0; v < all.size(); ++v) all[v][static_cast<int>(i)] = through[v];
+    }
+    stage.bytes(all.size() * sizeof(glm::vec4));
+  }
+  renderer_.head().set_shadow(all);
 }
 
 void SatfFrame::update_maps(const FrameSettings& frame) {
@@ -168,13 +190,12 @@ PictureOutput::Draw SatfFrame::draw_of(const FrameSettings& frame, float aspect)
   };
 }
 
-void SatfFrame::show(const FrameSettings& settings, int width, int height, float exposure,
-                     const glm::vec3& background) {
+void SatfFrame::show(const FrameSettings& settings, int width, int height, const Presentation& as) {
   const FrameSettings frame = with_light(settings);
   ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height};
-  output_.show(size, exposure, background, ledger_, draw_of(frame, size.aspect()));
+  output_.show(size, as, ledger_, draw_of(frame, size.aspect()));
 }
 
 Image SatfFrame::render(const FrameSettings& settings, int width, int height, int supersampling, int tile_samples,

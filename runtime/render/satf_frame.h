@@ -2,6 +2,7 @@
 //   sectors, index             what is in the clusters (once)
 //   surfaces                   where they are
 //   shadow map, s-maps         where they are, or light; neither where no shadow is asked for
+//   head shadow                the same; a light of some size has a map for each of several places
 //   maps, upload               where they are, view or light
 //   order                      where they are, or view
 //   head, draw, read           every frame
@@ -48,7 +49,7 @@ class SatfFrame {
   Image render(const FrameSettings& frame, int width, int height, int supersampling, int tile_samples = kTileSamples,
                const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
-  void show(const FrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
+  void show(const FrameSettings& frame, int width, int height, const Presentation& as);
 
   /// The next picture is made as if the hair had moved.
   void refresh() noexcept { moved_ = true; }
@@ -64,6 +65,7 @@ class SatfFrame {
   void update(const FrameSettings& frame);
   void update_surfaces();
   void update_shadows(const FrameSettings& frame);
+  void update_head_shadow(const FrameSettings& frame, std::span<const std::optional<DensityMap>> maps);
   void update_maps(const FrameSettings& frame);
   void update_order(const FrameSettings& frame);
   PictureOutput::Draw draw_of(const FrameSettings& frame, float aspect);

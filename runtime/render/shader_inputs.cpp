@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/shading/head_lighting.h"
 
 namespace pelage {
 
@@ -36,6 +37,11 @@ void set_material(const Program& p, const HairMaterial& m, const LobeSwitches& o
   set("material.primary", m.primary_colour, on.primary ? m.primary : 0.0F);
   set("material.secondary", m.secondary_colour, on.secondary ? m.secondary : 0.0F);
   glUniform4f(p.at("material.shape"), m.primary_exponent, m.secondary_exponent, m.primary_shift, m.secondary_shift);
+}
+
+void set_head_material(const Program& p) {
+  glUniform3f(p.at("head_colour"), kHeadColour.r, kHeadColour.g, kHeadColour.b);
+  glUniform3f(p.at("head_shape"), kHeadAmbient, kHeadSky, kHeadWrap);
 }
 
 void vertex_attribute(GLuint location, GLint components, std::size_t stride, std::size_t offset) {

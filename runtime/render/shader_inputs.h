@@ -21,6 +21,9 @@ void set_lights(const Program& p, std::span<const Light> lights);
 /// Uniform `material` of common_lobes.glsl; what is off has coefficient 0.
 void set_material(const Program& p, const HairMaterial& material, const LobeSwitches& on);
 
+/// Uniforms of common_head.glsl.
+void set_head_material(const Program& p);
+
 /// Floats of the buffer bound to GL_ARRAY_BUFFER.
 void vertex_attribute(GLuint location, GLint components, std::size_t stride, std::size_t offset);
 

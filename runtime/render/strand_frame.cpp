@@ -8,6 +8,8 @@
 #include <string>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/lighting.h"
+#include "pelage/data_schema/strand_tint.h"
 #include "pelage/hair/catmull_rom.h"
 #include "pelage/render/shader_inputs.h"
 
@@ -19,7 +21,7 @@ constexpr float kLineStretch = 1.4142136F;
 
 /// Do both lights come from the same place? Colour and intensity are no matter of shadows.
 bool same_place(const Light& a, const Light& b) {
-  return a.position == b.position && (a.position || a.direction == b.direction);
+  return a.position == b.position && (a.position || (a.direction == b.direction && a.size_deg == b.size_deg));
 }
 
 void check_settings(const StrandFrameSettings& frame) {
@@ -86,6 +88,7 @@ void StrandFrame::update(const StrandFrameSettings& frame) {
   const bool elsewhere = moved || at_fragments(*last_) != at_fragments(frame);
   last_.reset();  // so that a stage that throws is run again
   if (moved) update_geometry(frame.strands.smoothing);
+  if (moved || frame.material.variation != variation_) update_tints(frame.material.variation);
   if (update_shadows(frame, other_method) || elsewhere) look_up_shadows(frame);
   if (reordered) update_order(frame);
   moved_ = false;
@@ -117,6 +120,11 @@ void StrandFrame::update_geometry(int pieces) {
   stage.bytes(2 * tangents.size() * sizeof(glm::vec4) + segments_.size() * sizeof(StrandSegment));
 }
 
+void StrandFrame::update_tints(float variation) {
+  renderer_.set_tints(variation > 0 ? strand_tints(drawn().count(), variation) : std::vector<glm::vec3>{});
+  variation_ = variation;
+}
+
 /// Builds the shadows of those lights that need it. @return whether any was built, or a light is gone
 bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_method) {
   if (frame.method == Method::unshadowed) {
@@ -144,9 +152,8 @@ bool StrandFrame::update_shadows(const StrandFrameSettings& frame, bool other_me
 }
 
 void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
+  update_head_shadow(frame);
   if (frame.method == Method::unshadowed) {
-    if (!head_.vertices.empty())
-      renderer_.head().set_shadow(std::vector<glm::vec4>(head_.vertices.size(), glm::vec4(1)));
     renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1)));
     return;
   }
@@ -162,13 +169,34 @@ void StrandFrame::look_up_shadows(const StrandFrameSettings& frame) {
     stage.bytes(all.size() * sizeof(glm::vec4));
     return all;
   };
-  if (!head_.vertices.empty()) renderer_.head().set_shadow(at(head_.vertices));
   if (at_fragments(frame)) {
     look_up_at_fragments();
     renderer_.set_transmittance(std::vector<glm::vec4>(drawn().vertices.size(), glm::vec4(1.0F)));
   } else {
     renderer_.set_transmittance(at(drawn().vertices));
   }
+}
+
+void StrandFrame::update_head_shadow(const StrandFrameSettings& frame) {
+  if (head_.vertices.empty()) return;
+  std::vector<glm::vec4> all(head_.vertices.size(), glm::vec4(1.0F));
+  if (frame.method != Method::unshadowed) {
+    auto stage = ledger_.run("head shadow");
+    for (std::size_t i = 0; i < shadows_.size(); ++i) {
+      std::unique_ptr<HairShadow> part;  // built again for each place of a light that has a size
+      const auto through = head_shadow(frame.lights[i], head_.vertices.size(), [&](const Light& from, auto out) {
+        if (!has_size(frame.lights[i])) return shadows_[i].shadow->transmittance(head_.vertices, out);
+        if (part)
+          part->build(drawn(), opacity_, from);
+        else
+          part = make_shadow(frame.method, frame.shadow, drawn(), opacity_, from);
+        part->transmittance(head_.vertices, out);
+      });
+      for (std::size_t v = 0; v < all.size(); ++v) all[v][static_cast<int>(i)] = through[v];
+    }
+    stage.bytes(all.size() * sizeof(glm::vec4));
+  }
+  renderer_.head().set_shadow(all);
 }
 
 void StrandFrame::look_up_at_fragments() {
@@ -240,12 +268,11 @@ PictureOutput::Draw StrandFrame::draw_of(const StrandFrameSettings& frame, const
   };
 }
 
-void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, float exposure,
-                       const glm::vec3& background) {
+void StrandFrame::show(const StrandFrameSettings& frame, int width, int height, const Presentation& as) {
   ledger_.begin_frame();
   update(frame);
   const PictureSize size{width, height};
-  output_.show(size, exposure, background, ledger_, draw_of(frame, size));
+  output_.show(size, as, ledger_, draw_of(frame, size));
 }
 
 Image StrandFrame::render(const StrandFrameSettings& frame, int width, int height, int supersampling, int tile_samples,

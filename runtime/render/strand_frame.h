@@ -4,6 +4,7 @@
 //   smooth, tangents, upload    geometry
 //   fill, transmittance         a light's place, geometry, shadow settings; each light for itself
 //   filter                      a shadow that was built: read at all vertices
+//   head shadow                 the same for the head's vertices; a light of some size is built from several places
 //   order                       view, where the order needs it (sorted, weighted)
 //   draw, read                  every frame
 //
@@ -63,7 +64,7 @@ class StrandFrame {
   Image render(const StrandFrameSettings& frame, int width, int height, int supersampling,
                int tile_samples = kTileSamples, const TilesDone& told = {});
   /// Draws and shows it on the window's framebuffer of this size, one sample per pixel.
-  void show(const StrandFrameSettings& frame, int width, int height, float exposure, const glm::vec3& background);
+  void show(const StrandFrameSettings& frame, int width, int height, const Presentation& as);
 
   /// The next picture is made as if the geometry were new.
   void refresh() noexcept { moved_ = true; }
@@ -83,9 +84,11 @@ class StrandFrame {
   const Strands& drawn() const noexcept { return smoothed_ ? *smoothed_ : strands_; }
   void update(const StrandFrameSettings& frame);
   void update_geometry(int pieces);
+  void update_tints(float variation);
   bool update_shadows(const StrandFrameSettings& frame, bool other_method);
   void look_up_shadows(const StrandFrameSettings& frame);
   void look_up_at_fragments();
+  void update_head_shadow(const StrandFrameSettings& frame);
   void update_order(const StrandFrameSettings& frame);
   StrandShape shape_for(const StrandFrameSettings& frame, float sample_slope) const;
   PictureOutput::Draw draw_of(const StrandFrameSettings& frame, const PictureSize& size);
@@ -101,6 +104,7 @@ class StrandFrame {
   std::vector<LightShadow> shadows_;
   float widest_m_ = 0;  // drawn diameter
   float nearest_m_ = 0;
+  float variation_ = 0;                      // of the colours that the renderer has
   std::optional<StrandFrameSettings> last_;  // none: nothing is up to date
   bool moved_ = true;                        // nothing that depends on geometry is
   StrandRenderer renderer_;

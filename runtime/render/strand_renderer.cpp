@@ -15,15 +15,23 @@ namespace {
 
 constexpr const char* kRemedy = "use fewer strands or less smoothing";
 
+/// As std430 has arrays of three floats: four each.
+void upload_padded(Buffer& buffer, std::span<const glm::vec3> colours) {
+  std::vector<glm::vec4> padded;
+  padded.reserve(colours.size());
+  for (const glm::vec3& c : colours) padded.emplace_back(c, 1.0F);
+  buffer.upload(GL_SHADER_STORAGE_BUFFER, std::span<const glm::vec4>(padded), GL_STATIC_DRAW);
+}
+
 }  // namespace
 
 struct StrandRenderer::Resources {
   explicit Resources(std::size_t most_list_bytes) : lists(most_list_bytes) {}
 
   VertexArray array;
-  Buffer vertices, tangents, transmittance, segments, colours;
+  Buffer vertices, tangents, transmittance, segments, colours, tints;
   std::size_t segment_count = 0;
-  bool own_colours = false;
+  bool own_colours = false, tinted = false;
   DepthMaps depth_maps;
   FragmentLists lists;
   WeightedBlend weighted;
@@ -40,9 +48,12 @@ void StrandRenderer::set_vertices(std::span<const glm::vec4> vertices, std::span
   gl_->vertices.upload(GL_SHADER_STORAGE_BUFFER, vertices, GL_DYNAMIC_DRAW);
   gl_->tangents.upload(GL_SHADER_STORAGE_BUFFER, tangents, GL_DYNAMIC_DRAW);
   gl_->own_colours = !colours.empty();
-  std::vector<glm::vec4> padded;
-  for (const glm::vec3& c : colours) padded.emplace_back(c, 1.0F);
-  gl_->colours.upload(GL_SHADER_STORAGE_BUFFER, std::span<const glm::vec4>(padded), GL_STATIC_DRAW);
+  upload_padded(gl_->colours, colours);
+}
+
+void StrandRenderer::set_tints(std::span<const glm::vec3> tints) {
+  gl_->tinted = !tints.empty();
+  upload_padded(gl_->tints, tints);
 }
 
 void StrandRenderer::set_segments(std::span<const StrandSegment> segments) {
@@ -101,6 +112,7 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
   glUniform1f(p.at("opacity"), request.opacity);
   glUniform1i(p.at("ribbons"), on.shape != StrandShape::lines ? 1 : 0);
   glUniform1i(p.at("own_colours"), gl_->own_colours ? 1 : 0);
+  glUniform1i(p.at("tinted"), gl_->tinted ? 1 : 0);
   glUniform1f(p.at("ambient"), request.material.ambient);
   const glm::vec2 azimuth = on.azimuth ? azimuth_coefficients(request.phong) : glm::vec2(0);
   glUniform2fv(p.at("azimuth"), 1, glm::value_ptr(azimuth));
@@ -114,6 +126,7 @@ void StrandRenderer::draw_strands(const StrandDrawRequest& request, const Progra
   bind_storage(2, gl_->transmittance, "the strands' transmittances", kRemedy);
   bind_storage(5, gl_->segments, "the strands' segments", kRemedy);
   bind_storage(6, gl_->colours, "the strands' colours", kRemedy);
+  bind_storage(7, gl_->tints, "the strands' tints", kRemedy);
   glBindVertexArray(gl_->array.id());
   const bool ribbons = on.shape != StrandShape::lines;
   glDrawArrays(ribbons ? GL_TRIANGLES : GL_LINES, 0, static_cast<GLsizei>((ribbons ? 6 : 2) * gl_->segment_count));

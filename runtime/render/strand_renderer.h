@@ -41,6 +41,8 @@ class StrandRenderer {
   /// As strand_vertices() and strand_tangents() give them; `colours` [strands] or empty.
   void set_vertices(std::span<const glm::vec4> vertices, std::span<const glm::vec4> tangents,
                     std::span<const glm::vec3> colours);
+  /// Factors on the strands' colours, [strands]; empty: 1.
+  void set_tints(std::span<const glm::vec3> tints);
   /// In drawing order.
   void set_segments(std::span<const StrandSegment> segments);
   /// At the vertices, one component per light.

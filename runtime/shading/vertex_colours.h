@@ -1,6 +1,7 @@
 // Colours of vertices on the CPU, as [Bertails2005 section 3.3] sends them to the GPU: ambient + T (diffuse +
 // specular), Kajiya-Kay with the material's primary highlight, unshifted. For engines that shade per vertex, and for
-// the measure of the whole of paper A; the strand renderer shades per fragment.
+// the measure of the whole of paper A; the strand renderer shades per fragment. Vertices do not
+// know their strand: the material's variation is not seen here.
 #pragma once
 
 #include <cstdint>

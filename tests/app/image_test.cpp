@@ -104,6 +104,24 @@ TEST(Tone, BackgroundShowsThroughByAlpha) {
   }
 }
 
+TEST(Tone, AGradientDarkensTheBackgroundTowardsTheCornersAndNothingElse) {
+  const glm::vec3 background(0.2F, 0.4F, 0.6F);
+  Image image(101, 51);
+  for (int x = 40; x < 60; ++x) image.pixel(x, 25)[3] = 1.0F;  // black and opaque
+  Image none = image;
+  compose_over(none, std::nullopt, Backdrop::gradient);
+  EXPECT_EQ(none.rgba, image.rgba) << "transparent stays transparent";
+  compose_over(image, background, Backdrop::gradient);
+  EXPECT_EQ(image.pixel(50, 25)[1], 0.0F);
+  EXPECT_NEAR(image.pixel(50, 20)[1], 0.4F, 0.002F) << "the middle is the background's own colour";
+  for (const auto& [x, y] : {std::pair(0, 50), std::pair(100, 50)}) EXPECT_NEAR(image.pixel(x, y)[1], 0.18F, 0.001F);
+  for (int x = 1; x <= 50; ++x) {
+    EXPECT_GE(image.pixel(x, 10)[2], image.pixel(x - 1, 10)[2]) << x;
+    EXPECT_NEAR(image.pixel(x, 10)[2], image.pixel(100 - x, 10)[2], 1e-6F) << "the same on both sides";
+    EXPECT_NEAR(image.pixel(x, 10)[0] / image.pixel(x, 10)[2], 1.0F / 3, 1e-6F) << "of one hue";
+  }
+}
+
 TEST(Tone, ExposureLeavesAlpha) {
   Image image = gradient();
   expose(image, 2.0F);

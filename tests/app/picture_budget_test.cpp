@@ -14,6 +14,7 @@
 #include "pelage/app/compared_truth.h"
 #include "pelage/app/framing.h"
 #include "pelage/app/ladder.h"
+#include "pelage/app/picture.h"
 #include "pelage/app/picture_budget.h"
 #include "pelage/app/picture_truth.h"
 #include "pelage/app/repeat.h"
@@ -133,7 +134,7 @@ NoisyError independent_error(const Scene& scene, const Scene& chosen, const Came
   wanted.truth.samples = 96;
   const TruthHalves truth = PictureTruth(hair, prepare_head(scene), wanted, camera).whole(77, "held out");
   const auto drawing = make_drawing(chosen);
-  const Image picture = finished(drawing->render(chosen, camera), chosen);
+  const Image picture = finished(drawing->render(chosen, camera), chosen.image);
   return noisy_rmse(picture.rgba, truth.a, truth.b, Pixels::all);
 }
 

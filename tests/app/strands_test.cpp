@@ -1,4 +1,5 @@
 // Strand by strand from outside: `pelage render --method ...`, `pelage shadow-error`, `pelage figure`.
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -27,6 +28,12 @@ class StrandMethods : public ::testing::Test {
   }
   TemporaryFolder folder;
 };
+
+/// The configuration that an EXR carries.
+std::string scene_of(const std::filesystem::path& picture) {
+  const auto file = OIIO::ImageInput::open(picture.string());
+  return file ? std::string(file->spec().get_string_attribute("pelage:scene")) : std::string();
+}
 
 double mean_brightness(const Image& image) {
   double sum = 0;
@@ -172,6 +179,56 @@ TEST_F(StrandMethods, ShadowErrorSaysHowManyThreadsMeasured) {
                                   "--repeats", "1", "--json", "-j", std::to_string(jobs)});
     EXPECT_EQ(json::parse(r.out, nullptr, false)["threads"], jobs) << r.err;
   }
+}
+
+TEST_F(StrandMethods, PortraitLightingIsASceneOfLightsAndABackdrop) {
+  const Result r = render({"--method", "truth", "--samples", "1", "--lighting", "portrait", "-o", "@p.exr"});
+  ASSERT_EQ(r.code, 0) << r.err;
+  const json scene = json::parse(scene_of(folder / "p.exr"));
+  EXPECT_EQ(scene["lights"].size(), 3U);
+  EXPECT_GT(scene["lights"][0]["size_deg"], 0);
+  EXPECT_EQ(scene["image"]["backdrop"], "gradient");
+  const Image p = read_image(folder / "p.exr");
+  EXPECT_GT(p.pixel(p.width / 2, 0)[1], 1.1F * p.pixel(0, 0)[1]) << "darker in the corner";
+  ASSERT_EQ(render({"--method", "truth", "--samples", "1", "--lighting", "paper", "-o", "@a.exr"}).code, 0);
+  ASSERT_EQ(render({"--method", "truth", "--samples", "1", "-o", "@b.exr"}).code, 0);
+  EXPECT_EQ(read_image(folder / "a.exr").rgba, read_image(folder / "b.exr").rgba) << "paper is the rule";
+  const Result own = render(
+      {"--method", "truth", "--samples", "1", "--lighting", "portrait", "--background", "transparent", "-o", "@t.exr"});
+  ASSERT_EQ(own.code, 0) << own.err;
+  EXPECT_EQ(read_image(folder / "t.exr").pixel(0, 0)[3], 0.0F) << "a background of one's own wins";
+}
+
+TEST_F(StrandMethods, LightingAndLightsDoNotGoTogether) {
+  for (const char* const option : {"--light", "--point-light"}) {
+    const Result r = render({"--lighting", "portrait", option, "0,1,0", "-o", "@x.png"});
+    EXPECT_EQ(r.code, 2) << r.err;
+    EXPECT_THAT(r.err, HasSubstr("--lighting and " + std::string(option) + " both say where light comes from"));
+  }
+  const Result unknown = render({"--lighting", "studio", "-o", "@x.png"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("--lighting: 'studio' is not one of paper, portrait"));
+}
+
+TEST_F(StrandMethods, ColoursVaryWhereAskedAndKeepTheirMean) {
+  const auto picture = [&](const char* method, const char* variation) {
+    const Result r = render({"--method", method, "--samples", "16", "--colour-variation", variation, "--background",
+                             "transparent", "-o", "@v.exr"});
+    if (r.code != 0) throw std::runtime_error(r.err);
+    return read_image(folder / "v.exr");
+  };
+  for (const char* const method : {"density-map", "truth"}) {
+    const Result r = render({"--method", method, "--samples", "16", "--background", "transparent", "-o", "@n.exr"});
+    if (r.code == 5) GTEST_SKIP() << r.err;
+    const Image none = read_image(folder / "n.exr"), zero = picture(method, "0"), half = picture(method, "0.5");
+    EXPECT_EQ(none.rgba, zero.rgba) << method;
+    EXPECT_NE(half.rgba, zero.rgba) << method;
+    // Some 200 strands are seen, of a deviation of .5 x .6 / sqrt(3): their mean is off by .012; four times that.
+    EXPECT_NEAR(mean_brightness(half) / mean_brightness(zero), 1, 0.05) << method;
+  }
+  const Result r = render({"--colour-variation", "1.5", "-o", "@x.png"});
+  EXPECT_EQ(r.code, 2);
+  EXPECT_THAT(r.err, HasSubstr("--colour-variation"));
 }
 
 TEST_F(StrandMethods, LengthOfADirectionDoesNotMatter) {

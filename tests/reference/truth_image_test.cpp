@@ -4,6 +4,8 @@
 #include <tbb/global_control.h>
 
 #include "pelage/data_schema/errors.h"
+#include "pelage/data_schema/strand_tint.h"
+#include "pelage/shading/head_lighting.h"
 #include "sample_hair.h"
 
 namespace pelage {
@@ -121,6 +123,34 @@ TEST(TruthImage, ColoursOfStrandsReplaceTheMaterials) {
   EXPECT_GT(lower.g, 0.1F);
 }
 
+TEST(TruthImage, ColoursVaryByTheStrandsOwnFactor) {
+  Strands s;
+  for (int i = 0; i < 8; ++i) {
+    const float y = 0.01F * float(i) - 0.035F;
+    s.append(std::vector<glm::vec3>{{-0.1F, y, 0}, {0, y, 0}, {0.1F, y, 0}});
+  }
+  s.diameter_m = 4e-3F;
+  for (const bool own : {false, true}) {
+    if (own) s.colours.assign(8, {0.5F, 0.25F, 0.125F});
+    const FibreScene scene(s, 1.0F);
+    TruthRequest r = seen_from_z(1, 8, 1e-2, kOneLight);
+    r.camera.fov_deg = static_cast<float>(2 * std::atan(0.04) * 180 / std::numbers::pi);
+    r.settings.samples = 256;
+    r.material.primary = 0;  // is the light's colour and does not vary
+    const auto plain = truth_image(scene, s, r);
+    r.material.variation = 0.8F;
+    const auto varied = truth_image(scene, s, r);
+    for (int i = 0; i < 8; ++i) {
+      const glm::vec4 a = pixel(plain, 1, 0, 7 - i), b = pixel(varied, 1, 0, 7 - i);
+      const glm::vec3 tint = strand_tint(static_cast<std::uint32_t>(i), 0.8F);
+      EXPECT_EQ(a.a, b.a);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c] / a[c], tint[c], 1e-5F) << "strand " << i << ", own colours " << own;
+    }
+    r.material.variation = 0;
+    EXPECT_EQ(truth_image(scene, s, r), plain);
+  }
+}
+
 TEST(TruthImage, NearFibresCoverFarOnesAndShadowThem) {
   // Ten opaque-ish layers behind each other along the view; light from the viewer: layer k has T = .4^k twice.
   Strands s;
@@ -156,14 +186,51 @@ TEST(TruthImage, HeadIsOpaqueAndLiesInTheHairsShadow) {
   r.material.ambient = 0;
   const glm::vec4 p = pixel(truth_image(scene, s, r), 2, 0, 0);
   EXPECT_EQ(p.a, 1.0F);
-  EXPECT_NEAR(p.r, 0.4F * 0.62F * (0.22F + 0.4F), 1e-4F);  // seen through the fibre, and in its shadow
+  const float ambient = head_ambient({0, 0, 1}), direct = head_direct({0, 0, 1}, {0, 0, 1});
+  EXPECT_EQ(direct, 1.0F);
+  EXPECT_NEAR(p.r, 0.4F * kHeadColour.r * (ambient + 0.4F), 1e-4F);  // seen through the fibre, and in its shadow
   const glm::vec4 bare = pixel(truth_image(FibreScene(Strands{}, 0.6F, &head), Strands{}, r), 2, 0, 0);
-  EXPECT_NEAR(bare.g, 0.45F * 1.22F, 1e-5F);
+  EXPECT_NEAR(bare.g, kHeadColour.g * (1 + ambient), 1e-5F);
   const std::vector<Light> lamp{Light{{}, glm::vec3(0, 0, 1.9F), glm::vec3(1, 0, 0), 8}};  // 2 m away: 8 / 4
   r.lights = lamp;
   const glm::vec4 red = pixel(truth_image(FibreScene(Strands{}, 0.6F, &head), Strands{}, r), 2, 0, 0);
-  EXPECT_NEAR(red.r, 0.62F * 2 * 1.22F, 1e-4F);
+  EXPECT_NEAR(red.r, kHeadColour.r * 2 * (1 + ambient), 1e-4F);
   EXPECT_EQ(red.g, 0.0F);
+}
+
+TEST(TruthImage, ShadowOnTheHeadIsAsSoftAsTheLightIsLarge) {
+  // A wide opaque ribbon of fibres ends at x = 0, 5 cm above the wall; the light above is seen under 2 atan(.2), so
+  // that the wall sees the share of its disc that lies beyond the edge: half at x = 0, none at -1 cm, all at 1 cm.
+  Mesh wall;
+  wall.vertices = {{-1, -1, 0}, {1, -1, 0}, {0, 2, 0}};
+  wall.normals.assign(3, {0, 0, 1});
+  wall.triangles = {{0, 1, 2}};
+  Strands s;
+  for (int i = 0; i < 60; ++i) {
+    const float x = -6e-4F - 1e-3F * float(i);
+    s.append(std::vector<glm::vec3>{{x, -0.1F, 0.05F}, {x, 0.1F, 0.05F}});
+  }
+  s.diameter_m = 1.2e-3F;
+  const FibreScene scene(s, 1.0F, &wall);
+  std::vector<Light> lights = kOneLight;
+  lights[0].size_deg = static_cast<float>(2 * std::atan(0.2) * 180 / std::numbers::pi);
+  TruthRequest r = seen_from_z(1, 1, 1e-4, lights);
+  r.settings.samples = 4096;
+  const auto seen_from = [&](float x) {  // from under the hair: it is not in view
+    r.camera = Camera{{x + 0.02F, 0, 0.04F}, {x, 0, 0}, {0, 1, 0}, 0.01F};
+    const float direct = pixel(truth_image(scene, s, r), 1, 0, 0).g / kHeadColour.g - head_ambient({0, 0, 1});
+    return double(direct);
+  };
+  // Share of a disc beyond a chord at q radii from its middle; four standard errors of 4096 rays: .031.
+  const auto share = [](double q) { return 1 - (std::acos(q) - q * std::sqrt(1 - q * q)) / std::numbers::pi; };
+  EXPECT_NEAR(seen_from(0), share(0), 0.031);
+  EXPECT_NEAR(seen_from(0.005F), share(0.5), 0.031);
+  EXPECT_NEAR(seen_from(-0.005F), 1 - share(0.5), 0.031);
+  EXPECT_NEAR(seen_from(0.0105F), 1.0, 1e-6);
+  EXPECT_NEAR(seen_from(-0.0105F), 0.0, 1e-6);
+  lights[0].size_deg = 0;
+  EXPECT_NEAR(seen_from(-0.001F), 0.0, 1e-6) << "of a light without size it is sharp";
+  EXPECT_NEAR(seen_from(0.001F), 1.0, 1e-6);
 }
 
 TEST(TruthImage, HeadCastsAShadowOnlyWhenAsked) {

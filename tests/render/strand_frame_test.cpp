@@ -1,6 +1,7 @@
 // StrandFrame: pictures that must come out, pictures that must not change, and stages that must not run.
 #include <gmock/gmock.h>
 
+#include "pelage/data_schema/strand_tint.h"
 #include "strands.h"
 
 namespace pelage {
@@ -363,6 +364,38 @@ TEST_F(StrandFrames, ShadowAtFragmentsIsLikeShadowAtVertices) {
   std::printf("shadow at fragments against vertices: rms %.2g; shadow itself %.2g\n", d, shadow);
   // Vertices are 2 mm apart, cells 6 mm: linear between vertices is about what the map is.
   EXPECT_LT(d, 0.02 * shadow);
+}
+
+/// Eight strands across the picture, a pixel of each.
+TEST_F(StrandFrames, ColoursVaryByTheStrandsOwnFactor) {
+  Strands strands;
+  for (int i = 0; i < 8; ++i) {
+    const float y = 0.01F * float(i) - 0.035F;
+    strands.append(std::vector<glm::vec3>{{-0.2F, y, 0}, {0, y, 0}, {0.2F, y, 0}});
+  }
+  strands.diameter_m = 8e-3F;
+  for (const bool own : {false, true}) {
+    if (own) strands.colours.assign(8, {0.5F, 0.25F, 0.125F});
+    StrandFrame frame(strands, 1.0F, {});
+    StrandFrameSettings settings = strands_from_the_front();
+    settings.camera.eye = {0, 0, 1};
+    settings.camera.fov_deg = static_cast<float>(2 * std::atan(0.04) * 180 / 3.14159265358979);
+    settings.material.primary = 0;             // is the light's colour and does not vary
+    settings.strands.smoothing = own ? 3 : 1;  // pieces of a curve are of their strand
+    const Image plain = checked(frame.render(settings, 1, 8, 1));
+    settings.material.variation = 0.8F;
+    const Image varied = checked(frame.render(settings, 1, 8, 1));
+    for (int i = 0; i < 8; ++i) {
+      const glm::vec3 tint = strand_tint(static_cast<std::uint32_t>(i), 0.8F);
+      for (int c = 0; c < 3; ++c) {
+        // Rounding of a few sums and products on either side.
+        EXPECT_NEAR(varied.pixel(0, 7 - i)[c] / plain.pixel(0, 7 - i)[c], tint[c], 1e-5F)
+            << "strand " << i << ", own colours " << own;
+      }
+    }
+    settings.material.variation = 0;
+    EXPECT_EQ(frame.render(settings, 1, 8, 1).rgba, plain.rgba);
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "pelage/render/shader_inputs.h"
 #include "pelage/render/strand_renderer.h"
 #include "pelage/shading/azimuth_mean.h"
+#include "pelage/shading/head_lighting.h"
 #include "pelage/shading/light.h"
 #include "pelage/shading/lobes.h"
 #include "strands.h"
@@ -37,6 +38,7 @@ std::vector<Result> on_gpu(std::span<const Case> cases, const HairMaterial& mate
   glUseProgram(p.id());
   set_material(p, material, {});
   set_lights(p, {&light, 1});
+  set_head_material(p);
   glUniform2f(p.at("azimuth"), azimuth.x, azimuth.y);
   maps.bind(p);
   glUniform1i(p.at("use_map"), map != nullptr ? 1 : 0);
@@ -131,6 +133,21 @@ TEST_F(Twins, GpuAzimuthEqualsCpu) {
     ASSERT_NEAR(gpu[i].to_light.w, cpu, 2e-3F) << i;
   }
   EXPECT_EQ(on_gpu(in, {}, {})[5].to_light.w, 1.0F);  // no coefficients: off
+}
+
+TEST_F(Twins, GpuHeadEqualsCpuHead) {
+  const auto in = cases(4000);
+  const auto gpu = on_gpu(in, {}, {});
+  float least = 1, most = 0;
+  for (std::size_t i = 0; i < gpu.size(); ++i) {
+    const glm::vec3 n(in[i].n), l(in[i].l);
+    // A dot product of unit vectors is off by 4 eps; squared and scaled by 1 / 1.5 no more than twice that.
+    ASSERT_NEAR(gpu[i].lighting.w, head_direct(n, l), 8 * kEps) << i;
+    ASSERT_NEAR(gpu[i].irradiance.w, head_ambient(n), 4 * kEps) << i;
+    least = std::min(least, gpu[i].lighting.w), most = std::max(most, gpu[i].lighting.w);
+  }
+  EXPECT_EQ(least, 0.0F);
+  EXPECT_GT(most, 0.95F);
 }
 
 TEST_F(Twins, GpuLightsEqualCpuLights) {
