@@ -261,8 +261,9 @@ class Groomer {
     return plan;
   }
 
-  StrandPlan baby_plan(const Root& root, const std::array<float, 4>& u) const {
-    StrandPlan baby = plan(root, 0.3F * u[0], 0);
+  StrandPlan baby_plan(const Root& root, std::uint32_t i) const {
+    const std::array<float, 4> u = random_.uniform(kEdgeStream, i);  // its first number made it one
+    StrandPlan baby = plan(root, 0.3F * u[2], 0);
     baby.fringe = false;
     baby.cut_m = -1.0F;
     baby.most_m = kShortest_m + (kLongest_m - kShortest_m) * u[1];
@@ -361,7 +362,7 @@ class Groomer {
     const Lock& lock = lock_of(root);
     Path path;
     if (is_baby(root, i)) {
-      path = grow(baby_plan(root, random_.uniform(kTailStream, i)));
+      path = grow(baby_plan(root, i));
     } else if (settings_.style == GroomStyle::ponytail) {
       path = comb_to_tie(root, lock, u, i);
     } else {

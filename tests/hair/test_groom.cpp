@@ -174,6 +174,16 @@ TEST(Groom, LongHairIsCutInLayers) {
   }
 }
 
+TEST(Groom, HairToTheWaistStaysOutsideOfTheBust) {
+  for (const GroomStyle style : {GroomStyle::straight, GroomStyle::wavy, GroomStyle::ponytail}) {
+    GroomSettings g;
+    g.style = style;
+    g.strands = 2000;
+    g.length_scale = 2;
+    for (const glm::vec3& p : groom(g).vertices) ASSERT_GT(head_distance_m({}, p), -0.5e-3F) << p.x << " " << p.y;
+  }
+}
+
 TEST(Groom, LongHairFallsBeforeAndBehindTheShoulders) {
   GroomSettings g;
   g.style = GroomStyle::straight;
