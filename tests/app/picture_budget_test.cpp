@@ -168,6 +168,23 @@ std::string words(const std::vector<std::string>& settings) {
   return line;
 }
 
+TEST_F(PictureBudget, SomePixelsOfTheTruthAreThoseOfTheWholeWhateverLiesBehind) {
+  Scene scene = scene_of(kHeldOut[0]);
+  scene.image.width = 40, scene.image.height = 30;
+  scene.image.exposure = 1.5F;
+  scene.truth.samples = 4;
+  const Camera camera{{0, 0, 0.9F}, {0, 0, 0}};
+  const std::vector<glm::ivec2> pixels{{0, 0}, {39, 29}, {20, 14}, {3, 20}, {21, 9}};
+  for (const Backdrop backdrop : {Backdrop::plain, Backdrop::gradient}) {
+    scene.image.backdrop = backdrop;
+    const PictureTruth truth(prepare_strands(scene), prepare_head(scene), scene, camera);
+    Image whole(40, 30);
+    whole.rgba = truth.whole(5, "all").a;
+    EXPECT_EQ(truth.at(pixels, 5).a, values_at(whole, pixels));
+    EXPECT_EQ(whole.pixel(0, 29)[1] < 0.75F * whole.pixel(20, 0)[1], backdrop == Backdrop::gradient) << "in the corner";
+  }
+}
+
 TEST_F(PictureBudget, LadderChangesWhatDrawsAndNothingThatIsDrawn) {
   Scene scene;
   scene.hair = "hair";
