@@ -70,6 +70,13 @@ Fit fit(std::span<const vec3> points, vec3 axis, vec3 from, vec3 origin, float s
   return {0.5F * (most + least), 0.5F * (most - least) / slope};
 }
 
+/// How far out the eye stays at least: a lone point, or a strand that points at the eye, would draw it into the hair.
+float least_distance(std::span<const vec3> points, vec3 from, vec3 origin, const Bounds& bounds) {
+  float nearest = -1e30F;
+  for (const vec3& p : points) nearest = std::max(nearest, glm::dot(p - origin, from));
+  return nearest + std::max(1e-3F, 0.25F * glm::length(bounds.high - bounds.low));
+}
+
 }  // namespace
 
 std::vector<vec3> framed_points(const Strands& hair, const Mesh& head) {
@@ -106,8 +113,7 @@ Camera framed_camera(std::span<const vec3> points, float aspect) {
 
   const float slope = (1.0F - 2.0F * kMargin) * std::tan(glm::radians(0.5F * camera.fov_deg));
   const Fit across = fit(points, side, from, middle, slope * aspect), up = fit(points, above, from, middle, slope);
-  const float nearest = 1e-3F * std::max(1.0F, glm::length(bounds.high - bounds.low));  // of hair that is one point
-  const float distance = std::max({across.distance, up.distance, nearest});
+  const float distance = std::max({across.distance, up.distance, least_distance(points, from, middle, bounds)});
   camera.target = middle + across.middle * side + up.middle * above;
   camera.eye = camera.target + distance * from;
   return camera;

@@ -79,11 +79,12 @@ std::vector<Command> commands() {
 
 /// Options that take text which is no path.
 const std::set<std::string> kNoPaths{
-    "--auto",  "--background", "--camera",      "--curve",  "--density-map", "--face",        "--features",
-    "--light", "--lobes",      "--log-level",   "--method", "--methods",     "--motion",      "--off",
-    "--on",    "--only",       "--order",       "--preset", "--progress",    "--point-light", "--records",
-    "--set",   "--shadow-at",  "--shape",       "--shard",  "--size",        "--solver",      "--storage",
-    "--style", "--threshold",  "--self-shadow", "--unit",   "--up",          "--wind",        "figure"};
+    "--auto",      "--background",  "--camera",      "--curve",   "--density-map", "--face",
+    "--features",  "--light",       "--lighting",    "--lobes",   "--log-level",   "--method",
+    "--methods",   "--motion",      "--off",         "--on",      "--only",        "--order",
+    "--preset",    "--progress",    "--point-light", "--records", "--set",         "--shadow-at",
+    "--shape",     "--shard",       "--size",        "--solver",  "--storage",     "--style",
+    "--threshold", "--self-shadow", "--unit",        "--up",      "--wind",        "figure"};
 
 /// Everything in a folder: kind, last change, and content or where a link leads.
 std::map<std::string, std::string> everything_in(const fs::path& folder) {

