@@ -17,7 +17,7 @@ using glm::vec3;
 
 constexpr float kModelHeight_m = 0.24F;  // of the head as it is described below
 constexpr vec3 kBoxMin_m{-0.210F, -0.355F, -0.145F}, kBoxMax_m{0.210F, 0.130F, 0.125F};
-constexpr float kMeshCell_m = 0.0044F;  // at which surface nets give a manifold (some others pinch behind the ears)
+constexpr float kMeshCell_m = 0.006F;  // at which surface nets give a manifold (some others pinch behind the ears)
 constexpr float kFieldCell_m = 0.004F;
 constexpr int kProjections = 4;  // Newton steps from the surface nets onto the surface
 

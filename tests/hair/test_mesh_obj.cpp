@@ -85,8 +85,8 @@ TEST(MeshObj, ReadsTheSintelBust) {
 
 TEST(Head, MeshIsClosedAndFacesOutwards) {
   const Mesh mesh = parametric_head({});
-  EXPECT_GT(mesh.triangles.size(), 30'000U);
-  EXPECT_LT(mesh.triangles.size(), 60'000U);
+  EXPECT_GT(mesh.triangles.size(), 20'000U);
+  EXPECT_LT(mesh.triangles.size(), 35'000U);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   double volume_m3 = 0;
   for (const glm::uvec3& t : mesh.triangles) {
