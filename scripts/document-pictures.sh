@@ -8,10 +8,15 @@ mkdir -p docs
 trap 'rm -rf "$work"' EXIT
 render() { "$bin/pelage" render "$@" --head "$work/head.obj" --size 480x480 --log-level warn; }
 
-for hair in "wavy brown 48" "bob black 24" "curly red 80" "ponytail blond 24"; do
-  read -r style material plates <<<"$hair"
+# The first pictures that anyone sees: strand by strand, in portrait light.
+for hair in "wavy brown" "bob black" "curly red" "ponytail blond"; do
+  read -r style material <<<"$hair"
+  "$bin/pelage" groom --style "$style" --strands 30000 --seed 1 -o "$work/$style.hair" --head-out "$work/head.obj" --log-level warn
+  "$bin/pelage" render "$work/$style.hair" --head "$work/head.obj" --material "$material" --lighting portrait --colour-variation 0.5 \
+    --size 1000x1000 -o "docs/$style.png" --progress never --log-level warn
+done
+for style in wavy bob; do
   "$bin/pelage" groom --style "$style" --strands 15000 --seed 1 -o "$work/$style.hair" --head-out "$work/head.obj" --log-level warn
-  render "$work/$style.hair" --material "$material" --plates "$plates" -o "docs/$style.png"
 done
 # What the rungs of the accuracy ladder and the effects look like, on the bob.
 render "$work/bob.hair" --records direct -o docs/bob-direct.png
