@@ -17,6 +17,8 @@ endif()
 if(PELAGE_SANITIZE MATCHES thread)
   # A stand-in for oneTBB that the sanitizer sees through (tests/sanitizers/tbb/threads.h).
   target_include_directories(pelage_options BEFORE INTERFACE ${PROJECT_SOURCE_DIR}/tests/sanitizers)
+  # Functions in versions for several CPUs are chosen by code that the loader calls before the sanitizer has begun: it crashes.
+  target_compile_options(pelage_options INTERFACE "-Dtarget_clones(...)=")
 endif()
 if(PELAGE_BUILD_FUZZERS)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
