@@ -54,6 +54,7 @@ struct Shape {
   float flat_on_top = 0.0F;  // share of the waves that the top of the head lacks, where they would stand up
   float turn_in = 0.0F;      // of the tips, bob
   bool fringe = false;
+  float drape = 0.0F;            // of hair that falls before the shoulders: over the chest instead of in one strand
   bool waves_by_height = false;  // waves of neighbours lie side by side, instead of along each strand by itself
   float frizz_m = 0.0015F;
 };
@@ -62,26 +63,31 @@ Shape shape_of(GroomStyle style) {
   Shape s;
   switch (style) {
     case GroomStyle::straight:
-      s.cut_m = -0.235F;
+      s.cut_m = -0.245F;
       s.cut_spread_m = 0.02F;
       s.layers_m = 0.025F;
-      s.frame_m = 0.05F;
+      s.frame_m = 0.03F;
+      s.volume_m = 0.018F;
+      s.hug = 0.10F;
+      s.gather = 0.45F;
+      s.drape = 1.0F;
       s.wave_m = 0.002F;
       break;
     case GroomStyle::wavy:
-      s = {.cut_m = -0.215F,
-           .cut_spread_m = 0.04F,
-           .layers_m = 0.05F,
-           .frame_m = 0.04F,
+      s = {.cut_m = -0.235F,
+           .cut_spread_m = 0.03F,
+           .layers_m = 0.04F,
+           .frame_m = 0.02F,
            .parting_m = 0.022F,
-           .volume_m = 0.018F,
-           .hug = 0.15F,
-           .locks = 130,
-           .gather = 0.78F,
+           .volume_m = 0.024F,
+           .hug = 0.05F,
+           .locks = 170,
+           .gather = 0.70F,
            .wave_m = 0.0105F,
            .wavelength_m = 0.068F,
            .roundness = 0.3F,
            .flat_on_top = 0.6F,
+           .drape = 1.0F,
            .waves_by_height = true,
            .frizz_m = 0.002F};
       break;
@@ -243,15 +249,25 @@ class Groomer {
     return random_.uniform(kEdgeStream, i)[0] < kBabyShare * at_edge;
   }
 
+  bool in_fringe(const Root& root) const {
+    return shape_.fringe && root.position_m.z > 0.026F && std::abs(root.position_m.x) < 0.050F;
+  }
+
   StrandPlan plan(const Root& root, float layer, float length) const {
-    const bool fringe = shape_.fringe && root.position_m.z > 0.026F && std::abs(root.position_m.x) < 0.062F;
+    const bool fringe = in_fringe(root);
     // Hair from higher up lies over hair from lower down, and hair at the hairline under both.
     const float height = smooth_step(-0.05F, 0.115F, root.position_m.y);
     const float flat = 0.4F + 0.6F * smooth_step(0.0F, kFlatEdge, inside_hairline(root));
     const Individual self{(fringe ? 0.35F : flat) * (0.45F * layer + 0.55F * height), length};
     StrandPlan plan{root, self, fringe, comb_direction(shape_, root), 0, shape_.max_length_m * (1.0F + 0.15F * length)};
+    const vec3 forward = unit_or(without({10 * root.position_m.x, 0, 1}, root.normal), kDown);
+    if (shape_.fringe && !fringe) {  // the curtain begins over the temple, where the fringe ends
+      const float temple =
+          smooth_step(0.010F, 0.030F, root.position_m.z) * smooth_step(0.034F, 0.050F, std::abs(root.position_m.x));
+      plan.comb = unit_or(glm::mix(plan.comb, forward, temple), kDown);
+    }
     if (fringe) {
-      plan.comb = unit_or(without({6 * root.position_m.x, 0, 1}, root.normal), kDown);
+      plan.comb = forward;
       plan.cut_m = 0.025F - 6.0F * root.position_m.x * root.position_m.x + 0.004F * length;
     } else {
       const float beside_face = smooth_step(0.0F, 0.06F, root.position_m.z);
@@ -294,13 +310,18 @@ class Groomer {
 
   /// Hair falls before or behind the shoulders, not outwards along them.
   vec3 off_shoulders(vec3 p) const {
-    constexpr float kRidge_m = -0.036F;  // z of the shoulders' ridge
+    const float ridge_m = -0.036F - 0.012F * shape_.drape;  // z of the shoulders' ridge; more falls before it to drape
     const float near = smooth_step(-0.060F, -0.115F, p.y);
-    const float away_m = p.z - kRidge_m;
+    const float away_m = p.z - ridge_m;
     const float ahead =
         std::clamp(away_m / 0.003F, -1.0F, 1.0F) * (1.0F - smooth_step(0.020F, 0.055F, std::abs(away_m)));
-    const float aside = std::clamp(p.x / 0.01F, -1.0F, 1.0F) * smooth_step(0.060F, 0.100F, std::abs(p.x));
-    return near * vec3(-0.7F * aside, 0, 1.2F * ahead);
+    const float side = std::clamp(p.x / 0.01F, -1.0F, 1.0F);
+    const float x = std::abs(p.x), wide_m = 0.032F * shape_.drape;
+    const float aside = side * smooth_step(0.060F + wide_m, 0.100F + wide_m, x);
+    // Over the chest it spreads, little by little, from the middle of the curtain to both sides.
+    const float apart = side * std::clamp((x - 0.070F) / 0.045F, -0.5F, 0.7F) * smooth_step(0.02F, 0.05F, x);
+    const float spread = shape_.drape * smooth_step(-0.02F, 0.02F, away_m) * smooth_step(-0.03F, -0.09F, p.y);
+    return near * vec3(-0.7F * aside, 0, 1.2F * ahead) + vec3(0.4F * spread * apart, 0, 0);
   }
 
   vec3 turn(const StrandPlan& plan, vec3 p, vec3 direction, float s) const {
@@ -351,7 +372,8 @@ class Groomer {
     const auto distance = [&](const Lock& lock) {
       const bool same_side = (lock.root.position_m.x < shape_.parting_m) == (root.position_m.x < shape_.parting_m);
       const vec3 d = lock.root.position_m - root.position_m;
-      return glm::dot(d, d) + (same_side || shape_.fringe || root.position_m.y < 0.06F ? 0.0F : 1.0F);
+      return glm::dot(d, d) + (in_fringe(lock.root) == in_fringe(root) ? 0.0F : 1.0F) +
+             (same_side || shape_.fringe || root.position_m.y < 0.06F ? 0.0F : 1.0F);
     };
     return *std::min_element(locks_.begin(), locks_.end(),
                              [&](const Lock& a, const Lock& b) { return distance(a) < distance(b); });

@@ -205,6 +205,39 @@ TEST(Groom, LongHairFallsBeforeAndBehindTheShoulders) {
   EXPECT_LT(aside, low / 100);
 }
 
+/// |x| where strands before `least_z_m` fall through the height y, in order.
+std::vector<float> crossings_m(const Strands& s, float y, float least_z_m) {
+  std::vector<float> found;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    const auto p = s.strand(i);
+    for (std::size_t k = 1; k < p.size(); ++k) {
+      if (p[k - 1].y <= y || p[k].y > y || p[k].z <= least_z_m) continue;
+      found.push_back(std::abs(p[k].x));
+      break;
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+TEST(Groom, BobCoversTheTemples) {
+  GroomSettings g;
+  g.style = GroomStyle::bob;
+  g.strands = 3000;
+  EXPECT_GT(crossings_m(groom(g), -0.03F, 0.045F).size(), 120U);  // 29 of 3000 left a strip of bare head
+}
+
+TEST(Groom, LongHairSpreadsOverTheChest) {
+  for (const GroomStyle style : {GroomStyle::straight, GroomStyle::wavy}) {
+    GroomSettings g;
+    g.style = style;
+    g.strands = 3000;
+    const std::vector<float> x = crossings_m(groom(g), -0.16F, 0.0F);
+    ASSERT_GT(x.size(), 1500U);
+    EXPECT_GT(x[9 * x.size() / 10] - x[x.size() / 10], 0.03F);  // one strand on each side is 0.01 to 0.02 m wide
+  }
+}
+
 TEST(Groom, HeadHeightScalesEverything) {
   GroomSettings g;
   g.strands = 50;
