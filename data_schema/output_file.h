@@ -22,8 +22,8 @@ struct NamedFile {
 struct Output {
   std::string as;
   std::filesystem::path path;
-  std::string
-      names;  // given: `path` is a folder, and the files are those in it whose path there this ECMAScript matches
+  /// Where given, `path` is a folder, and written are the files whose path in it matches this regular expression.
+  std::string names;
   std::string remedy = "name another file";
 };
 

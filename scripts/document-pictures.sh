@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes every picture of docs/ anew, with the release build that scripts/demo.sh leaves behind.
+# Makes every picture of docs/ but tradeoff.png anew, with the release build that scripts/demo.sh leaves behind.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=build/release/bin

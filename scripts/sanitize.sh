@@ -3,7 +3,8 @@
 #   address, undefined  one build has both: every test program, OpenGL and child processes too
 #   thread              every box with threads, oneTBB replaced by a stand-in that the sanitizer sees through
 # Usage: scripts/sanitize.sh address|undefined|thread [--quick] [ctest options...]
-#   --quick  the boxes that read files and share grids only: minutes, for continuous integration
+#   --quick  builds the boxes that read files and share grids only: minutes, for continuous integration. In a folder where more is
+#            built already, the tests of all that is built run.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 case "${1:-}" in
   address | undefined) preset=asan-ubsan ;;
@@ -28,8 +29,8 @@ threaded=(bake_record_error bake_sampling bake_tracer cluster db_bake db_databas
 quick_address=(data_schema db_density fuzz_replay shading shadow)
 quick_thread=(db_density shading shadow)
 
-# The installed-package tests build a consumer without sanitizers, which cannot link sanitized libraries; the pages are
-# checked in a browser, and pelage's part of that is run by the programs.
+# The installed-package tests build a consumer without sanitizers, which cannot link sanitized libraries; the pages are checked
+# in a browser, which is not ours.
 exclude='bench|packaging|web'
 here=$PWD/tests/sanitizers
 export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:allocator_may_return_null=1${ASAN_OPTIONS:+:$ASAN_OPTIONS}

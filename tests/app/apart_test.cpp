@@ -107,14 +107,14 @@ class Apart : public ::testing::Test {
   Apart() {
     fs::create_directories(work() / "x");
     for (const char* const name : {"head.obj", "d.hrir", "m.json", "s.json", "b.json"})
-      folder_.write("work/" + std::string(name), std::string("content of ") + name);
-    folder_.write("work/h.obj", "v 0 0 0\nv 0 0.1 0\nv 0.01 0.2 0\nl 1 2 3\n");
-    folder_.write("work/scene.json", R"({"version": 1, "hair": "h.obj", "head": "head.obj", "database": "d.hrir"})");
-    fs::create_directory_symlink("work", folder_ / "linked");
+      folder_.write("place/" + std::string(name), std::string("content of ") + name);
+    folder_.write("place/h.obj", "v 0 0 0\nv 0 0.1 0\nv 0.01 0.2 0\nl 1 2 3\n");
+    folder_.write("place/scene.json", R"({"version": 1, "hair": "h.obj", "head": "head.obj", "database": "d.hrir"})");
+    fs::create_directory_symlink("place", folder_ / "linked");
     fs::current_path(work());
   }
   ~Apart() override { fs::current_path(before_); }
-  fs::path work() const { return folder_ / "work"; }
+  fs::path work() const { return folder_ / "place"; }
 
   void expect_refused(const Program& program, const Words& words, const std::vector<std::string>& says) {
     const std::map<std::string, std::string> before = everything_in(folder_ / "");
@@ -146,7 +146,7 @@ class Spellings {
     fs::create_hard_link(file, hard_);
     all = {file,
            "./x/../" + file,
-           "../work/" + file,
+           "../place/" + file,
            fs::absolute(file),
            "../linked/" + file,
            "../linked/x/../" + file,
@@ -238,7 +238,7 @@ TEST_F(Apart, NoOutputIsAnotherOutput) {
                    {head, hair, "--head-out would write over --output"});
   };
   fs::create_symlink("dangling.obj", "soft.obj");
-  folder_.write("work/there.obj", "earlier");
+  folder_.write("place/there.obj", "earlier");
   fs::create_hard_link("there.obj", "hard.obj");
   for (const char* const other :
        {"new.obj", "./new.obj", "x/../new.obj", "../linked/new.obj", "../linked/x/../new.obj"})
@@ -256,7 +256,7 @@ TEST_F(Apart, NoOutputIsAnotherOutput) {
 
 TEST_F(Apart, WhatABakeWritesBesideItsOutputIsNoInput) {
   for (const char* const option : {"--from", "--settings"}) {
-    folder_.write("work/y.hrir.partial", "precious");
+    folder_.write("place/y.hrir.partial", "precious");
     expect_refused(kBake, {"build", option, "x/../y.hrir.partial", "--no-resume", "-o", "y.hrir"},
                    {"y.hrir.partial: --output would write over " + std::string(option) + " (x/../y.hrir.partial)"});
   }
@@ -268,7 +268,7 @@ TEST_F(Apart, WhatIsApartIsLeftAlone) {
     const ResultHere result = run_here(program, folder_, words);
     EXPECT_EQ(result.code, 0) << ::testing::PrintToString(words) << result.err;
   };
-  folder_.write("work/old.hair", "earlier");
+  folder_.write("place/old.hair", "earlier");
   fs::create_symlink("old.hair", "soft.hair");
   good(kPelage, {"convert", "h.obj", "soft.hair"});
   EXPECT_NE(text_of("old.hair"), "earlier") << "an output that was there, and is no input, is replaced";
@@ -277,7 +277,7 @@ TEST_F(Apart, WhatIsApartIsLeftAlone) {
   fs::create_directory("f");
   fs::copy("h.obj", "f/frame_1.obj");
   fs::copy("h.obj", "f/frame_0000.png");
-  folder_.write("work/f/frame_0000.hair", "earlier");
+  folder_.write("place/f/frame_0000.hair", "earlier");
   good(kPelage, {"simulate", "f/frame_1.obj", "--hair-out", "f", "--seconds", "0.05", "--settle", "0"});
   EXPECT_NE(text_of("f/frame_0000.hair"), "earlier");
   // A bake over the earlier one, and shards put together over another database.
